@@ -332,7 +332,7 @@ TEST_F(Commands, ExplainedRaysAddUpToThePicture) {
         for (const json& ray : told["rays"]) {
           ++rays;
           for (int c = 0; c < 3; ++c)
-            if (ray.contains("brings")) sum[c] += ray["brings"][size_t(c)].get<double>();
+            if (ray.contains("adds")) sum[c] += ray["adds"][size_t(c)].get<double>();
           if (kind == AccelKind::grid && ray["traced"]) {
             EXPECT_EQ(ray["cells"].size(), ray["counts"]["steps"]);
           }

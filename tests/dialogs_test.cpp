@@ -158,6 +158,14 @@ TEST(Dialogs, EveryEntryOfTheToolBarsListsPressesItsKey) {
     EXPECT_TRUE(pressed.contains(key)) << key;
 }
 
+// The id of a child window, as BeginChild() makes it.
+ImGuiID child_of(ImGuiWindow& window, const char* name) {
+  const ImGuiID id = window.GetID(name);
+  char full[256];
+  ImFormatString(full, sizeof full, "%s/%s_%08X", window.Name, name, id);
+  return ImHashStr(full);
+}
+
 TEST(Dialogs, EveryInspectorControlResponds) {
   ViewState state("three.nff", state_of_three().scene, {});
   state.options.aa = 3;
@@ -170,6 +178,7 @@ TEST(Dialogs, EveryInspectorControlResponds) {
         result.closed |= now.closed, result.copied |= now.copied;
         if (now.camera) result.camera = now.camera;
         if (!now.save.empty()) result.save = now.save;
+        result.copied_text |= now.copied_text;
       },
       {400, 1400});
   const auto wait = [&] {
@@ -180,6 +189,9 @@ TEST(Dialogs, EveryInspectorControlResponds) {
     ASSERT_TRUE(found && *found);
   };
   const Stage stage({0, 0, 400, 300}, 1, 40, 30);
+  // The sections scroll by themselves.
+  ImGuiWindow* const whole = ImGui::FindWindowByName("inspector");
+  const ImGuiID rest = child_of(*whole, "rest");
   // In the middle of a traversal, at the second sample: there are earlier and later ones.
   ImVec2 next_sample;
   const auto begin = [&] {
@@ -188,10 +200,10 @@ TEST(Dialogs, EveryInspectorControlResponds) {
     for (int i = 0; i < 3; ++i) inspector.walk(Inspector::Walk::on, 0);
     screen.frame();
     if (next_sample.x > 0) screen.click(next_sample), wait();
-    ImGuiWindow* const panel = ImGui::FindWindowByName("inspector");
+    ImGuiWindow* const sections = ImGui::FindWindowByID(rest);
     for (const char* section :
          {"###Tree of rays", "###Step by step", "###The ray", "###Contributions to the colour"})
-      panel->StateStorage.SetInt(panel->GetID(section), 1);
+      sections->StateStorage.SetInt(sections->GetID(section), 1);
     screen.frame();
     result = {};
   };
@@ -203,6 +215,7 @@ TEST(Dialogs, EveryInspectorControlResponds) {
   next_sample = all.at(panel->GetID("+"));
   std::set<std::string> saved;
   size_t others = 0;
+  bool copied_text = false;
   for (const auto& [id, place] : all) {
     begin();
     const uint64_t before = screen.sum();
@@ -210,12 +223,38 @@ TEST(Dialogs, EveryInspectorControlResponds) {
     if (id == panel->GetID("-") || id == panel->GetID("+") || id == panel->GetID("##sample"))
       wait();
     if (!result.save.empty()) saved.insert(result.save);
-    const bool tells = result.closed || result.copied || result.camera || !result.save.empty();
+    const bool tells = result.closed || result.copied || result.copied_text || result.camera ||
+                       !result.save.empty();
+    copied_text |= result.copied_text;
     others += tells;
     EXPECT_TRUE(tells || screen.sum() != before) << "at " << place.x << ',' << place.y;
   }
   EXPECT_THAT(saved, ElementsAre(".json", ".png", ".svg"));
-  EXPECT_GE(others, 7u);  // with "<", "copy command", and both cameras
+  EXPECT_GE(others, 8u);  // with "<", "copy command", and both cameras
+  EXPECT_TRUE(copied_text);
+  EXPECT_TRUE(inspector.explanation().starts_with("three, pixel 20,16 of 40x30, sample 1 of 9\n"))
+      << inspector.explanation();
+}
+
+// The pixel and its buttons stay while the rest scrolls.
+TEST(Dialogs, TheInspectorsHeadStaysInPlace) {
+  ViewState state("three.nff", state_of_three().scene, {});
+  Inspector inspector([] {});
+  Screen screen([&] { (void)inspector.draw_panel({0, 0, 400, 500}, 0); }, {400, 500});
+  inspector.look(state, Stage({0, 0, 400, 300}, 1, 40, 30), nullptr, {0.5f, 0.55f}, {0.5f, 0.55f});
+  for (int k = 0; k < 20000 && !inspector.poll(); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_TRUE(inspector.has_pixel());
+  screen.frame(), screen.frame();
+  ImGuiWindow* const panel = ImGui::FindWindowByName("inspector");
+  ImGuiWindow* const sections = ImGui::FindWindowByID(child_of(*panel, "rest"));
+  EXPECT_EQ(panel->ScrollMax.y, 0);
+  ASSERT_GT(sections->ScrollMax.y, 100);
+  const std::string before = inspector.places();
+  sections->Scroll.y = 100;
+  screen.frame(), screen.frame();
+  EXPECT_EQ(sections->Scroll.y, 100);
+  EXPECT_EQ(inspector.places(), before);
 }
 
 TEST(Message, AvoidsTheLegendAndStaysInThePicture) {

@@ -207,6 +207,32 @@ bool has_child_along(const Explanation& e, size_t parent, Kind kind, Vec3d dir) 
   });
 }
 
+// A light's terms follow from the variables of their steps.
+void expect_light(const TraversalStep& step) {
+  const auto expect = [](Rgb expected, const std::string& told) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(rgb_of(told)[c], expected[c], 1e-4f) << told;
+  };
+  if (const std::string term = value_of(step, "diffuse"); !term.empty()) {
+    const Vec3d n = vector_of(value_of(step, "N")), l = vector_of(value_of(step, "L"));
+    const float cosine = rgb_of(value_of(step, "N.L")).x;
+    EXPECT_NEAR(cosine, dot(n, l), 1e-4);
+    expect(rgb_of(value_of(step, "I")) * rgb_of(value_of(step, "colour")) *
+               (rgb_of(value_of(step, "Kd")).x * cosine),
+           term);
+  }
+  const std::string term = value_of(step, "highlight");
+  if (term.empty()) return;
+  const bool halfway = value_of(step, "R").empty();
+  const float cosine = rgb_of(value_of(step, halfway ? "N.H" : "R.V")).x;
+  const float power = rgb_of(value_of(step, halfway ? "(N.H)^Shine" : "(R.V)^Shine")).x;
+  EXPECT_NEAR(power, std::pow(std::clamp(cosine, 0.0f, 1.0f), rgb_of(value_of(step, "Shine")).x),
+              1e-3);
+  const std::string tint = value_of(step, "specular");
+  expect(rgb_of(value_of(step, "I")) * (tint.empty() ? Rgb(1) : rgb_of(tint)) *
+             (rgb_of(value_of(step, "Ks")).x * power),
+         term);
+}
+
 // "ambient", "diffuse" and "highlight" add up to "C", and times the weight to the contribution.
 void expect_sums(const Scene& scene, const RenderOptions& options) {
   size_t surfaces = 0, mirrors = 0, refractions = 0;
@@ -222,6 +248,7 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
         for (const char* term : {"ambient", "diffuse", "highlight", "background"})
           if (const std::string v = value_of(step, term); !v.empty()) sum = sum + vector_of(v);
         if (const std::string v = value_of(step, "C"); !v.empty()) told = vector_of(v);
+        expect_light(step);
         if (const std::string v = value_of(step, "R"), w = value_of(step, "weight'");
             !v.empty() && !w.empty()) {
           ++mirrors;
@@ -244,7 +271,7 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
       surfaces += ray.surface.has_value();
       for (int c = 0; c < 3; ++c) {
         EXPECT_NEAR(sum[c], told[c], 1e-5 * (1 + std::abs(sum[c])));
-        EXPECT_NEAR(told[c] * double(ray.weight[c]), ray.brings[c], 1e-5 * (1 + std::abs(told[c])));
+        EXPECT_NEAR(told[c] * double(ray.weight[c]), ray.adds[c], 1e-5 * (1 + std::abs(told[c])));
       }
     }
   };
@@ -252,6 +279,39 @@ void expect_sums(const Scene& scene, const RenderOptions& options) {
   EXPECT_GT(surfaces, 50u);
   EXPECT_GT(mirrors, 10u);
   EXPECT_GT(refractions, 10u);
+}
+
+// Kr and the cosines follow from the indices of refraction, by Fresnel's equations in their usual
+// form.
+TEST(TraversalWords, TheReflectanceFollowsFromTheIndices) {
+  const Scene scene = tests::random_scene(60, 7);
+  RenderOptions options;
+  options.fresnel = Fresnel::exact;
+  const RenderSettings settings = settings_of(scene, AccelKind::bvh, options);
+  size_t splits = 0, totals = 0;
+  const auto check = [&](const Explanation& e, const Accel&) {
+    for (size_t i = 0; i < e.rays.size(); ++i)
+      for (const TraversalStep& step : shading_words(e, scene, settings, i)) {
+        const std::string kr = value_of(step, "Kr");
+        if (kr.empty()) continue;
+        const auto value = [&](const char* name) {
+          return std::atof(value_of(step, name).c_str());
+        };
+        if (value_of(step, "c'").empty()) {
+          EXPECT_EQ(kr, "1");
+          ++totals;
+          continue;
+        }
+        const double n = value("n"), m = value("n'"), c = value("c"), b = value("c'");
+        EXPECT_NEAR(n * n * (1 - c * c), m * m * (1 - b * b), 1e-4) << "Snell's law";
+        const double s = (n * c - m * b) / (n * c + m * b), p = (n * b - m * c) / (n * b + m * c);
+        EXPECT_NEAR(std::atof(kr.c_str()), (s * s + p * p) / 2, 1e-3);
+        ++splits;
+      }
+  };
+  for_samples(scene, AccelKind::bvh, 1000, check, options);
+  EXPECT_GT(splits, 20u);
+  EXPECT_GT(totals, 2u);
 }
 
 TEST(TraversalWords, TermsOfTheShadingAddUp) { expect_sums(tests::random_scene(60, 7), {}); }

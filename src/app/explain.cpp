@@ -11,6 +11,7 @@
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
+#include "app/test_numbers.h"
 #include "shape/kinds.h"
 
 namespace raio::core::app {
@@ -19,7 +20,6 @@ namespace {
 using Kind = ExplainedRay::Kind;
 
 constexpr std::string_view kKindNames[] = {"eye", "reflection", "refraction", "shadow"};
-std::string_view word_of(Kind kind) { return kKindNames[size_t(kind)]; }
 
 // The shortest digits that read back as the same number.
 std::string text_of(Vec3f v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
@@ -46,6 +46,12 @@ class TextTree {
     out_ = fmt::format("{}, pixel {},{} of {}x{}, sample {} of {}\ncolour  {}\n", what_.scene.name,
                        what_.pixel[0], what_.pixel[1], o.width, o.height, what_.number,
                        o.samples_per_pixel(), text_of(what_.sample.rgb));
+    for (size_t l = 0; l < what_.sample.lights.size(); ++l) {
+      const PreparedScene::Emitter& light = what_.sample.lights[l];
+      line("", fmt::format("light {}", l),
+           fmt::format("at {}, intensity {}", text_of(place(what_.scene, light.position)),
+                       text_of(light.intensity)));
+    }
     add_ray(0, "");
     return out_;
   }
@@ -65,9 +71,10 @@ class TextTree {
 
   void add_ray(size_t i, const std::string& indent) {
     const ExplainedRay& r = what_.sample.rays[i];
-    out_ += fmt::format("\n{}{} ray, level {}, weight {}, adds {}\n", indent, word_of(r.kind),
-                        r.level, text_of_weight(r.weight), text_of(r.brings));
+    out_ += fmt::format("\n{}{} ray, level {}, weight {} in the pixel's colour, adds {}\n", indent,
+                        word_of(r.kind), r.level, text_of_weight(r.weight), text_of(r.adds));
     const std::string in = indent + "  ";
+    if (r.parent >= 0) line(in, "weight", weight_of_child(r));
     line(in, "from", text_of(place(what_.scene, r.ray.origin)));
     line(in, "direction", text_of(r.ray.dir));
     if (!r.surface) {
@@ -81,17 +88,63 @@ class TextTree {
     line(in, "hits",
          fmt::format("{} at a distance of {}{}", name_of(geometry(), r.hit.primitive), r.hit.t,
                      cost(i)));
+    line(in, "test", test_of(r));
     line(in, "point", text_of(place(what_.scene, s.point)));
     line(in, "normal", text_of(s.normal));
-    line(in, "material",
-         fmt::format("{}: colour {}, kd {}, ks {}{}, shine {}, transmission {}", s.material,
-                     text_of(s.color), s.kd, s.ks,
-                     s.specular == Rgb(1) ? "" : " of colour " + text_of(s.specular), s.shine,
-                     s.transmission));
-    line(in, "ambient", text_of(r.ambient));
+    if (s.geometric != s.normal) line(in, "flat normal", text_of(s.geometric));
+    line(in, "material", material_of(s));
+    line(in, "ambient", fmt::format("{}, A {}", text_of(r.ambient), what_.sample.ambient));
     for (size_t l = 0; l < what_.scene.lights.size(); ++l) add_light(l, children_[i], in);
+    line(in, "radiance", text_of(s.radiance));
+    if (s.transmission > 0) line(in, "refraction", refraction_of(s));
     for (const size_t k : children_[i])
       if (what_.sample.rays[k].kind != Kind::shadow) add_ray(k, in);
+  }
+
+  // The numbers of the hit's test, for the formula in the window and in docs/explain.md.
+  std::string test_of(const ExplainedRay& r) const {
+    std::string out;
+    for (const auto& [name, value] : test_numbers(geometry(), r.hit.primitive, r.ray).values)
+      out += fmt::format("{}{} {}", out.empty() ? "" : ", ", name, fmt::join(value, " "));
+    return out;
+  }
+
+  static std::string material_of(const ExplainedRay::Surface& s) {
+    std::string out =
+        fmt::format("{}: colour {}, Kd {}, Ks {}", s.material, text_of(s.color), s.kd, s.ks);
+    if (s.specular != Rgb(1)) out += " of colour " + text_of(s.specular);
+    out += fmt::format(", Shine {}, T {}, index of refraction {}", s.shine, s.transmission, s.ior);
+    if (s.gloss > 0) out += fmt::format(", gloss {}", s.gloss);
+    if (s.translucency > 0) out += fmt::format(", translucency {}", s.translucency);
+    return out;
+  }
+
+  std::string refraction_of(const ExplainedRay::Surface& s) const {
+    std::string out = fmt::format("from index {} to {}: cosine {} before the surface, ",
+                                  s.index_before(), s.index_behind(), s.cosine);
+    if (s.cosine2_behind < 0)
+      out += fmt::format("squared {} behind, so reflection is total", s.cosine2_behind);
+    else
+      out += fmt::format("{} behind", std::sqrt(s.cosine2_behind));
+    if (s.reflectance) out += fmt::format(", Kr {}", *s.reflectance);
+    return out;
+  }
+
+  // "0.45 = 0.5 x T 0.9".
+  std::string weight_of_child(const ExplainedRay& r) const {
+    const ExplainedRay& from = what_.sample.rays[size_t(r.parent)];
+    const ExplainedRay::Surface& s = *from.surface;
+    const bool mirrored = r.kind == Kind::reflection;
+    std::string part;
+    if (s.reflectance)
+      part = mirrored ? fmt::format("Kr {}", *s.reflectance)
+                      : fmt::format("(1 - Kr {})", *s.reflectance);
+    else if (!mirrored)
+      part = fmt::format("T {}", s.transmission);
+    else
+      part = fmt::format("Ks {}", s.ks) +
+             (s.specular == Rgb(1) ? "" : " x colour " + text_of(s.specular));
+    return fmt::format("{} = {} x {}", text_of_weight(r.weight), text_of_weight(from.weight), part);
   }
 
   void add_light(size_t l, const std::vector<size_t>& children, const std::string& in) {
@@ -99,16 +152,25 @@ class TextTree {
     for (const size_t k : children) {
       const ExplainedRay& r = what_.sample.rays[k];
       if (r.light != int(l)) continue;
-      if (!r.occluded)
-        return line(in, name,
-                    fmt::format("diffuse {}, highlight {}{}", text_of(r.diffuse),
-                                text_of(r.highlight), cost(k)));
+      if (!r.occluded) return add_terms(k, in);
       const TraceLog::Test* const by = stopper(what_.logs[k]);
       return line(
           in, name,
           (by ? "in the shadow of " + name_of(geometry(), by->primitive) : "in shadow") + cost(k));
     }
     line(in, name, "behind the surface");
+  }
+  void add_terms(size_t k, const std::string& in) {
+    const ExplainedRay& r = what_.sample.rays[k];
+    const ExplainedRay::Light& lit = *r.lit;
+    const bool blinn = what_.settings.shading == ShadingModel::blinn_phong;
+    line(in, fmt::format("light {}", r.light), "unoccluded" + cost(k));
+    line(in, "  L", text_of(r.ray.dir));
+    line(in, "  diffuse", fmt::format("{}, N.L {}", text_of(r.diffuse), lit.n_dot_l));
+    if (what_.sample.rays[size_t(r.parent)].surface->ks > 0)
+      line(in, "  highlight",
+           fmt::format("{}, {} {}, its power {}", text_of(r.highlight), blinn ? "N.H" : "R.V",
+                       lit.cosine, lit.power));
   }
 
   const Geometry& geometry() const { return what_.accel.geometry(); }
@@ -118,98 +180,9 @@ class TextTree {
   std::string out_;
 };
 
-template <class T>
-Json json_of(Vec3<T> v) {
-  return {plain(v.x), plain(v.y), plain(v.z)};
-}
-Json json_of(const Geometry& geometry, PrimitiveId id) {
-  return {{"kind", kPrimitiveKindNames[size_t(geometry.kind_of(id))]},
-          {"index", geometry.index_of(id)}};
-}
-Json distance(float t) { return std::isfinite(t) ? Json(plain(t)) : Json(nullptr); }
-
-void add_log(Json& json, const TraceLog& log, const Geometry& geometry, bool grid) {
-  const bool tree = !grid && !log.steps.empty();
-  Json places = Json::array(), leaving = Json::array(), tests = Json::array();
-  for (const TraceLog::Step& step : log.steps) {
-    if (grid) {
-      places.push_back(step.cell);
-      leaving.push_back(json_of(step.t_max));
-    } else {
-      places.push_back({{step.leaf ? "leaf" : "node", step.node},
-                        {"depth", step.depth},
-                        {"lo", json_of(step.box.lo)},
-                        {"hi", json_of(step.box.hi)}});
-    }
-  }
-  size_t next = 0;
-  for (size_t k = 0; k < log.tests.size(); ++k) {
-    while (next < log.steps.size() && log.steps[next].first_test <= k) ++next;
-    const TraceLog::Test& test = log.tests[k];
-    Json one{{"primitive", json_of(geometry, test.primitive)}};
-    if (!log.steps.empty()) one["step"] = next == 0 ? Json(nullptr) : Json(next - 1);
-    one["t"] = distance(test.t), one["nearest"] = test.nearest;
-    if (test.repeated) one["repeated"] = true;
-    tests.push_back(std::move(one));
-  }
-  if (grid) {
-    json["cells"] = std::move(places), json["t_max"] = std::move(leaving);
-    json["t_delta"] = json_of(log.t_delta);
-  } else if (tree) {
-    json["nodes"] = std::move(places);
-  }
-  json["tests"] = std::move(tests);
-  json["counts"] = {{"steps", log.count_steps()}, {"tests", log.count_tests()}};
-}
-
-Json json_of(const Explained& what, size_t id) {
-  const ExplainedRay& r = what.sample.rays[id];
-  const bool shadow = r.kind == Kind::shadow;
-  const TraceLog::Test* const by = shadow && r.occluded ? stopper(what.logs[id]) : nullptr;
-  const bool hit = r.hit.found() || by;
-  Json json{{"id", id},
-            {"parent", r.parent < 0 ? Json(nullptr) : Json(r.parent)},
-            {"kind", word_of(r.kind)},
-            {"level", r.level},
-            {"light", r.light < 0 ? Json(nullptr) : Json(r.light)},
-            {"origin", json_of(place(what.scene, r.ray.origin))},
-            {"direction", json_of(r.ray.dir)},
-            {"tmax", distance(r.ray.tmax)},
-            {"traced", r.traced},
-            {"t", hit ? distance(by ? by->t : r.hit.t) : Json(nullptr)},
-            {"primitive", hit ? json_of(what.accel.geometry(), by ? by->primitive : r.hit.primitive)
-                              : Json(nullptr)},
-            {"weight", json_of(r.weight)},
-            {"terms",
-             {{"ambient", json_of(r.ambient)},
-              {"diffuse", json_of(r.diffuse)},
-              {"highlight", json_of(r.highlight)},
-              {"background", json_of(r.background)}}}};
-  if (shadow)
-    json["occluded"] = r.occluded;
-  else
-    json["brings"] = json_of(r.brings);
-  if (r.surface) {
-    const ExplainedRay::Surface& s = *r.surface;
-    json["surface"] = {{"point", json_of(place(what.scene, s.point))},
-                       {"normal", json_of(s.normal)},
-                       {"geometric_normal", json_of(s.geometric)},
-                       {"material", s.material},
-                       {"color", json_of(s.color)},
-                       {"kd", plain(s.kd)},
-                       {"ks", plain(s.ks)},
-                       {"specular", json_of(s.specular)},
-                       {"shine", plain(s.shine)},
-                       {"transmission", plain(s.transmission)},
-                       {"eta", plain(s.eta)}};
-  }
-  if (what.logs[id])
-    add_log(json, *what.logs[id], what.accel.geometry(),
-            what.settings.accel.kind == AccelKind::grid);
-  return json;
-}
-
 }  // namespace
+
+std::string_view word_of(Kind kind) { return kKindNames[size_t(kind)]; }
 
 std::string name_of(const Geometry& geometry, PrimitiveId id) {
   return fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(id))],
@@ -239,18 +212,6 @@ std::vector<std::optional<TraceLog>> logs_of(const Explanation& sample, const Ac
 }
 
 std::string explained_text(const Explained& what) { return TextTree(what).text(); }
-
-std::string explained_json(const Explained& what) {
-  const Explanation& sample = what.sample;
-  Json json{{"version", RAIO_VERSION},
-            {"scene", what.scene.name},
-            {"pixel", what.pixel},
-            {"sample", what.number},
-            {"rgb", json_of(Vec3f(sample.rgb))}};
-  json["rays"] = Json::array();
-  for (size_t i = 0; i < sample.rays.size(); ++i) json["rays"].push_back(json_of(what, i));
-  return json_text(json);
-}
 
 int run(const ExplainCommand& command) {
   if (!command.plot.empty()) {

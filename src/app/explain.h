@@ -5,6 +5,7 @@
 #include <expected>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "app/canvas.h"
@@ -39,16 +40,31 @@ std::string explained_json(const Explained& what);
 /// a list of their hits. The error is one line.
 std::expected<std::string, std::string> draw_explained(const Explained& what, PlotFormat format);
 
-/// A viewpoint at the side of the rays, and the approximate size of the surfaces that they hit.
+/// A viewpoint at the side of the rays that shows them all: eye, hits, camera and lights.
 struct SideView {
+  struct Light {
+    int number = 0;
+    Vec3d at;                        // if it is distant, in its direction
+    std::optional<Vec3d> towards{};  // a distant light: its direction
+    std::vector<Vec3d> corners{};    // with soft shadows
+  };
+
   Camera camera;
-  double extent = 1;
+  double extent = 1;  // approximate size of eye and hits
+  // The inspected camera: its eye, and the corners of its image and of the pixel there, from the
+  // upper left, clockwise. A small pixel is enlarged.
+  Vec3d eye;
+  bool is_parallel = false;
+  std::array<Vec3d, 4> image, pixel;
+  std::vector<Light> lights;  // those in front of the surfaces hit
 };
 SideView side_view(const Explanation& sample, const RenderSettings& settings,
-                   double width_per_height);
+                   std::array<int, 2> pixel, double width_per_height);
 /// The end of a ray in a drawing: one that hits nothing is cut off.
-Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, double extent);
+Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, const SideView& view);
 
+/// "reflection".
+std::string_view word_of(ExplainedRay::Kind kind);
 /// "sphere 12".
 std::string name_of(const Geometry& geometry, PrimitiveId id);
 /// For a shadow ray: the test that stopped it; null if none or not logged.

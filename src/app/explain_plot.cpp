@@ -63,19 +63,18 @@ class Drawing {
         for (const ExplainedRay& r : what_.sample.rays)
           if ((r.kind == Kind::shadow) == shadows) draw_ray(r);
       for (size_t i = 0; i < what_.sample.rays.size(); ++i) draw_hit(i);
-      draw_eye();
+      draw_objects();
     });
     draw_list();
     draw_legend();
   }
 
  private:
-  Vec3d end_of(size_t i) const { return drawn_end(what_.sample.rays[i], what_.logs[i], extent_); }
+  Vec3d end_of(size_t i) const { return drawn_end(what_.sample.rays[i], what_.logs[i], side_); }
 
   void find_camera() {
-    const SideView from_the_side = side_view(what_.sample, what_.settings, kPane / kPaneHeight);
-    extent_ = from_the_side.extent;
-    camera_ = what_.plot_camera.value_or(from_the_side.camera);
+    side_ = side_view(what_.sample, what_.settings, what_.pixel, kPane / kPaneHeight);
+    camera_ = what_.plot_camera.value_or(side_.camera);
     if (what_.plot_from) camera_.from = Vec3f(*what_.plot_from - what_.scene.origin);
     if (!camera_problem(camera_).empty()) camera_ = what_.settings.camera;
     look_along();
@@ -120,7 +119,7 @@ class Drawing {
             kPaneTop + kPaneHeight / 2 - s * dot(v, up_), z};
   }
   bool in_front(const Vec3d& p) const {
-    return dot(p - Vec3d(camera_.from), forward_) > 0.02 * extent_;
+    return dot(p - Vec3d(camera_.from), forward_) > 1e-3 * distance_;
   }
   // Whether something lies between the viewer and p.
   bool is_hidden(const Vec3d& p) const {
@@ -167,12 +166,51 @@ class Drawing {
     canvas_.text(p.x, p.y, fmt::format("{}", i), kWhite, Align::center, 12, true);
   }
 
-  void draw_eye() const {
-    const Vec3d eye(what_.sample.rays[0].ray.origin);
-    if (!in_front(eye)) return;
-    const Dot p = project(eye);
+  void draw_stroke(const Vec3d& from, const Vec3d& to, Ink ink, double width) const {
+    if (!in_front(from) || !in_front(to)) return;
+    const Dot a = project(from), b = project(to);
+    canvas_.line(a.x, a.y, b.x, b.y, ink, width);
+  }
+  template <class Corners>
+  void draw_outline(const Corners& corners, Ink ink, double width) const {
+    for (size_t k = 0; k < corners.size(); ++k)
+      draw_stroke(corners[k], corners[(k + 1) % corners.size()], ink, width);
+  }
+
+  // The camera with its image plane and the pixel there; the lights.
+  void draw_objects() const {
+    for (const SideView::Light& light : side_.lights) draw_light(light);
+    if (!in_front(side_.eye)) return;
+    for (const Vec3d& corner : side_.image)
+      if (!side_.is_parallel) draw_stroke(side_.eye, corner, kGrey, 1.2);
+    draw_outline(side_.image, kGrey, 2);
+    draw_outline(side_.pixel, kVermilion, 3);
+    const Dot p = project(side_.eye);
     canvas_.disc(p.x, p.y, 8, kBlack);
-    canvas_.text(p.x + 14, p.y - 14, "eye", kBlack, Align::left, 16, true);
+    canvas_.text(p.x + 14, p.y - 14, "camera", kBlack, Align::left, 16, true);
+  }
+  void draw_light(const SideView::Light& light) const {
+    if (!in_front(light.at)) return;
+    draw_outline(light.corners, kBlack, 2);
+    const Dot p = project(light.at);
+    if (light.towards) {
+      const Dot q = project(light.at - *light.towards * (0.1 * side_.extent));
+      const double length = std::max(exact_hypot(p.x - q.x, p.y - q.y), 1.0);
+      const double x = (p.x - q.x) / length, y = (p.y - q.y) / length;
+      for (const double side : {-1.0, 1.0})
+        canvas_.line(p.x + 26 * x, p.y + 26 * y, p.x + 12 * x - side * 10 * y,
+                     p.y + 12 * y + side * 10 * x, kBlack, 3);
+      canvas_.line(p.x, p.y, p.x + 26 * x, p.y + 26 * y, kBlack, 3);
+    }
+    for (int k = 0; k < 8; ++k) {
+      const double x = exact_cos(k * std::numbers::pi / 4), y = exact_sin(k * std::numbers::pi / 4);
+      if (!light.towards)
+        canvas_.line(p.x + 11 * x, p.y + 11 * y, p.x + 17 * x, p.y + 17 * y, kBlack, 2);
+    }
+    canvas_.disc(p.x, p.y, 9, kBlack);
+    canvas_.disc(p.x, p.y, 7, {250, 210, 60});
+    canvas_.text(p.x + 18, p.y - 18, fmt::format("light {}", light.number), kBlack, Align::left, 16,
+                 true);
   }
 
   // The cells, nodes and leaves that the eye ray visits.
@@ -226,7 +264,7 @@ class Drawing {
         : r.hit.found() ? fmt::format("{}, t = {:.4g}",
                                       name_of(what_.accel.geometry(), r.hit.primitive), r.hit.t)
                         : "background";
-    return fmt::format("{}, weight {:.3g}", hit, r.weight.x);
+    return fmt::format("{}, weight {:.3g} in the pixel", hit, r.weight.x);
   }
 
   void draw_legend() const {
@@ -257,7 +295,8 @@ class Drawing {
 
   const Explained& what_;
   const Canvas& canvas_;
-  double extent_ = 1, scale_ = 1, distance_ = 1;
+  SideView side_;
+  double scale_ = 1, distance_ = 1;
   Camera camera_;
   Vec3d forward_, right_, up_;
 };

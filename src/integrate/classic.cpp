@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "integrate/classic.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
+#include "integrate/optics-inl.h"
 #include "integrate/shadings-inl.h"
 #include "integrate/sky-inl.h"
 #include "scene/columns.h"
@@ -12,52 +13,13 @@ HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE V3 reflect(const V3& dir, const V3& n) {
-  return dir - n * hn::Mul(hn::Set(d, 2), dot(dir, n));
-}
-
-// Snell's law, for n on the incoming side of `dir`; removes lanes with total internal reflection
-// from `in`.
-HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
-  const V one = hn::Set(d, 1), cosine = hn::Neg(dot(dir, n));
-  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(cosine, cosine))));
-  in = hn::And(in, hn::Ge(k, hn::Zero(d)));
-  const V root = hn::Sqrt(hn::Max(k, hn::Zero(d)));
-  return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
-}
-
-// The reflectance for unpolarised light, for n on the incoming side of `dir`; 1 at total internal
-// reflection. Schlick's approximation uses the angle on the less dense side.
-HWY_INLINE V reflectance(Fresnel fresnel, const V3& dir, const V3& n, V eta) {
-  const V zero = hn::Zero(d), one = hn::Set(d, 1), tiny = hn::Set(d, 1e-30f);
-  const V in = hn::Min(hn::Max(hn::Neg(dot(dir, n)), zero), one);
-  const V k = hn::Sub(one, hn::Mul(hn::Mul(eta, eta), hn::Sub(one, hn::Mul(in, in))));
-  const V out = hn::Sqrt(hn::Max(k, zero));
-  const auto ratio = [&](V a, V b) HWY_ATTR {
-    const V r = hn::Div(hn::Sub(a, b), hn::Max(hn::Add(a, b), tiny));
-    return hn::Mul(r, r);
-  };
-  V part;
-  if (fresnel == Fresnel::exact) {
-    const V both = hn::Add(ratio(hn::Mul(eta, in), out), ratio(hn::Mul(eta, out), in));
-    part = hn::Mul(both, hn::Set(d, 0.5f));
-  } else {
-    const V least = ratio(eta, one);
-    const V x = hn::Sub(one, hn::IfThenElse(hn::Gt(eta, one), out, in)), x2 = hn::Mul(x, x);
-    part = hn::Add(least, hn::Mul(hn::Sub(one, least), hn::Mul(hn::Mul(x2, x2), x)));
-  }
-  return hn::IfThenElse(hn::Lt(k, zero), one, part);
-}
-
 // With kModels, uses the settings' models and the materials' specular colours; without, shades as
 // NFF does, without the cost of the choice.
 template <bool kModels>
 class PhongShading final : public Shading {
  public:
   explicit PhongShading(const PreparedScene& scene) : scene_(scene) {
-    const bool any_color =
-        std::ranges::any_of(scene.scene.lights, [](const Light& l) { return l.color.has_value(); });
-    ambient_ = any_color || scene.settings.shading != ShadingModel::nff ? Rgb() : Rgb(0.1f);
+    ambient_ = Rgb(ambient_factor(scene.scene, scene.settings));
     rough_ = kModels && is_rough(scene.scene, scene.settings);
     for (const Material& m : scene.scene.materials) {
       const bool mirrors = m.ks > 0 || (divides() && m.transmission > 0);
@@ -143,8 +105,7 @@ class PhongShading final : public Shading {
       const V ks = load(v.ks, i);
       if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
         const V mirror = highlight_cosine(dir, normal, directions(w.rays().rays, i));
-        const V highlight = hn::Mul(
-            ks, pow_unit(d, hn::Min(hn::Max(mirror, zero), hn::Set(d, 1)), load(v.shine, i)));
+        const V highlight = hn::Mul(ks, highlight_power(mirror, load(v.shine, i)));
         if constexpr (kModels)
           light = light + load(v.specular, i) * highlight;
         else
@@ -160,8 +121,8 @@ class PhongShading final : public Shading {
   HWY_INLINE V highlight_cosine(const V3& to_light, const V3& normal, const V3& in) const {
     if constexpr (kModels)
       if (scene_.settings.shading == ShadingModel::blinn_phong)
-        return dot(normal, normalize(d, to_light - in));
-    return hn::Neg(dot(reflect(-to_light, normal), in));
+        return dot(normal, halfway(to_light, in));
+    return hn::Neg(dot(mirrored_light(to_light, normal), in));
   }
 
   // Whether Fresnel's reflectance determines the mirrored part where T > 0.
@@ -219,8 +180,6 @@ class PhongShading final : public Shading {
     return select(sound, out, dir);
   }
 
-  // A smooth triangle's normal can send a ray through the surface that it should leave; then the
-  // geometric normal decides.
   void reflect_rays(Wavefront& w, int level, size_t n) {
     const SurfacePoints& v = w.points();
     Wavefront::Children children(w, level, n);
@@ -229,9 +188,7 @@ class PhongShading final : public Shading {
       const M mirrors = hn::And(hn::FirstN(d, n - i), hn::Gt(most_of(part), hn::Zero(d)));
       if (hn::AllFalse(d, mirrors)) continue;
       const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
-      V3 dir = renormalize(d, reflect(in, load(v.normal, i)));
-      dir = select(hn::Gt(dot(dir, geometric), hn::Zero(d)), dir,
-                   renormalize(d, reflect(in, geometric)));
+      V3 dir = mirrored(in, load(v.normal, i), geometric);
       if constexpr (kModels)
         if (rough_) dir = spread(w, i, dir, geometric, kGloss, scene_.settings.gloss);
       w.counts().reflection += children.add(i, load(v.outside, i), dir, part, 0, mirrors);
@@ -247,12 +204,8 @@ class PhongShading final : public Shading {
       const M clear = hn::And(hn::FirstN(d, n - i), hn::Gt(transmission, hn::Zero(d)));
       if (hn::AllFalse(d, clear)) continue;
       const V3 in = directions(w.rays().rays, i), geometric = load(v.geometric, i);
-      M passes = clear, passes_geometric = clear;
-      V3 dir = refract(in, load(v.normal, i), load(v.eta, i), passes);
-      const V3 other = refract(in, geometric, load(v.eta, i), passes_geometric);
-      const M through = hn::Lt(dot(dir, geometric), hn::Zero(d));
-      dir = select(through, dir, other);
-      passes = hn::And(passes, hn::Or(through, passes_geometric));
+      M passes = clear;
+      V3 dir = refracted(in, load(v.normal, i), geometric, load(v.eta, i), passes);
       if constexpr (kModels)
         if (rough_)
           dir = spread(w, i, dir, -geometric, kTranslucency, scene_.settings.translucency);

@@ -27,6 +27,13 @@ inline bool needs_models(const Scene& scene, const RenderSettings& s) {
          !scene.material_specular.empty() || is_rough(scene, s);
 }
 
+/// The ambient light: a material's colour is multiplied by it.
+inline float ambient_factor(const Scene& scene, const RenderSettings& s) {
+  const bool any_color =
+      std::ranges::any_of(scene.lights, [](const Light& l) { return l.color.has_value(); });
+  return any_color || s.shading != ShadingModel::nff ? 0 : 0.1f;
+}
+
 double classic_bound(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace raio::core

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "integrate/classic.h"
+#include "integrate/optics-inl.h"
 #include "integrate/shadings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,11 +25,44 @@ float lane(V v, size_t k) {
 Vec3f lane(const V3& v, size_t k) { return {lane(v.x, k), lane(v.y, k), lane(v.z, k)}; }
 Vec3f element(const Floats3& f, size_t i) { return {f.x.at[i], f.y.at[i], f.z.at[i]}; }
 
+V3 wide(Vec3f v) { return set3(d, v); }
+float number(V v) { return lane(v, 0); }
+Vec3f vector(const V3& v) { return lane(v, 0); }
+
+// A light's numbers, computed as the shading does.
+ExplainedRay::Light light_numbers(const RenderSettings& settings, Vec3f normal, Vec3f to_light,
+                                  Vec3f in, float shine) {
+  const V3 n = wide(normal), l = wide(to_light), view = wide(in);
+  const bool blinn = settings.shading == ShadingModel::blinn_phong;
+  const V3 direction = blinn ? halfway(l, view) : mirrored_light(l, n);
+  const V cosine = blinn ? dot(n, direction) : hn::Neg(dot(direction, view));
+  return {.n_dot_l = number(dot(n, l)),
+          .direction = vector(direction),
+          .cosine = number(cosine),
+          .power = number(highlight_power(cosine, hn::Set(d, shine)))};
+}
+
+// Likewise, the numbers for the children of a ray along `in`.
+void add_optics(const RenderSettings& settings, Vec3f in, ExplainedRay::Surface& s) {
+  const V3 dir = wide(in), n = wide(s.normal), flat = wide(s.geometric);
+  const V eta = hn::Set(d, s.eta), zero = hn::Zero(d);
+  const M mirrors = hn::Gt(dot(renormalize(d, reflect(dir, n)), flat), zero);
+  M passes = hn::FirstN(d, 1);
+  const M through = hn::Lt(dot(refract(dir, n, eta, passes), flat), zero);
+  const V3 used = select(through, n, flat);
+  const V cosine = hn::Neg(dot(dir, used));
+  s.mirror_normal = vector(select(mirrors, n, flat)), s.refraction_normal = vector(used);
+  s.cosine = number(cosine), s.cosine2_behind = number(squared_cosine_behind(cosine, eta));
+  if (settings.fresnel != Fresnel::none && s.transmission > 0)
+    s.reflectance = number(reflectance(settings.fresnel, dir, n, eta));
+}
+
 class RayRecorder final : public Recorder {
  public:
   // `sample`: the one to record; `models`: the shading uses materials' specular colours.
-  RayRecorder(uint32_t sample, bool models, double scale, WorkControl& control, Explanation& out)
-      : sample_(sample), models_(models), scale_(scale), control_(control), out_(out) {}
+  RayRecorder(const RenderSettings& settings, uint32_t sample, bool models, WorkControl& control,
+              Explanation& out)
+      : settings_(settings), sample_(sample), models_(models), control_(control), out_(out) {}
 
   void begin_sample(uint32_t sample) override { recording_ = sample == sample_; }
 
@@ -77,6 +111,8 @@ class RayRecorder final : public Recorder {
                      .ray = rays[i],
                      .occluded = hidden[i] != 0,
                      .weight = from.weight};
+      r.lit = light_numbers(settings_, element(w.points().normal, i), r.ray.dir, from.ray.dir,
+                            w.points().shine.at[i]);
       shadow_of_[i] = int(out_.rays.size());
       out_.rays.push_back(r);
     }
@@ -106,10 +142,16 @@ class RayRecorder final : public Recorder {
                                         .ks = v.ks.at[i],
                                         .shine = v.shine.at[i],
                                         .transmission = v.transmission.at[i],
-                                        .eta = v.eta.at[i],
+                                        .ior = v.ior.at[i],
                                         .specular = models_ ? element(v.specular, i) : Rgb(1),
-                                        .roughness = models_ ? v.roughness.at[i] : 0};
-      r.brings = unscaled(w.sums().fixed(element(v.radiance, i) * r.weight));
+                                        .radiance = element(v.radiance, i),
+                                        .eta = v.eta.at[i]};
+      if (models_) {
+        r.surface->gloss = settings_.gloss.value_or(v.roughness.at[i]);
+        r.surface->translucency = settings_.translucency.value_or(v.roughness.at[i]);
+      }
+      add_optics(settings_, r.ray.dir, *r.surface);
+      r.adds = unscaled(w.sums().fixed(element(v.radiance, i) * r.weight));
     }
   }
 
@@ -128,15 +170,15 @@ class RayRecorder final : public Recorder {
   static Kind child_kind(uint32_t side) { return side ? Kind::refraction : Kind::reflection; }
   void set_background(ExplainedRay& r, const Wavefront& w) const {
     const auto [light, sums] = w.escaped_light(r.ray.dir, r.weight);
-    r.background = light, r.brings = unscaled(sums);
+    r.background = light, r.adds = unscaled(sums);
   }
   Vec3d unscaled(const PixelSums& s) const {
-    return {double(s[0]) / scale_, double(s[1]) / scale_, double(s[2]) / scale_};
+    return Vec3d(double(s[0]), double(s[1]), double(s[2])) * out_.unit;
   }
 
+  const RenderSettings& settings_;
   uint32_t sample_;
   bool models_;
-  double scale_;
   WorkControl& control_;
   Explanation& out_;
   bool recording_ = false;
@@ -153,13 +195,16 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   const PreparedScene prepared(scene, accel, settings);
   Film film(1, 1, classic_bound(scene, settings));
   Explanation out;
+  out.ambient = ambient_factor(scene, settings);
+  out.unit = 1 / film.scale();
+  out.lights = prepared.emitters;
   WorkControl control;
-  RayRecorder recorder(sample, needs_models(scene, settings), film.scale(), control, out);
+  RayRecorder recorder(settings, sample, needs_models(scene, settings), control, out);
   Wavefront(prepared, control, make_classic_shading(prepared), &recorder)
       .render(0, {sample, sample + 1}, film);
   if (control.stop) return std::nullopt;
   out.counts = film.rays();
-  for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.brings;
+  for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.adds;
   return out;
 }
 

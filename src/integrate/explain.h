@@ -17,9 +17,31 @@ struct ExplainedRay {
     Vec3f point, normal, geometric;  // normals towards the ray
     MaterialId material = 0;
     Rgb color;
-    float kd = 0, ks = 0, shine = 0, transmission = 0, eta = 1;
-    Rgb specular{1};  // times ks
-    float roughness = 0;
+    float kd = 0, ks = 0, shine = 0, transmission = 0, ior = 1;
+    Rgb specular{1};                    // times ks
+    float gloss = 0, translucency = 0;  // the roughness that spreads mirrored and refracted rays
+    Rgb radiance;                       // the sum of its terms
+
+    // For its children. The normals are those used: where a smooth one would send the ray to the
+    // wrong side, the geometric one.
+    Vec3f mirror_normal{}, refraction_normal{};
+    // The index on the ray's side, divided by that on the other.
+    float eta = 1;
+    // At refraction_normal: the ray's cosine, and the square of that behind the surface,
+    // 1 - eta^2 (1 - cosine^2); negative at total internal reflection.
+    float cosine = 0, cosine2_behind = 0;
+    std::optional<float> reflectance{};  // Kr, if Fresnel's equations split the light
+
+    bool is_inside() const { return ior != 1 && eta == ior; }
+    float index_before() const { return is_inside() ? ior : 1; }
+    float index_behind() const { return is_inside() ? 1 : ior; }
+  };
+  // Of a shadow ray: the numbers of its light's terms.
+  struct Light {
+    float n_dot_l = 0;
+    Vec3f direction;   // R, or H with ShadingModel::blinn_phong
+    float cosine = 0;  // R.V or N.H
+    float power = 0;   // max(0, cosine)^shine
   };
 
   Kind kind = Kind::eye;
@@ -32,19 +54,23 @@ struct ExplainedRay {
   Hit hit{};              // for other rays
   Rgb weight{};           // in the pixel
   std::optional<Surface> surface{};
+  std::optional<Light> lit{};
 
   // Radiance. That of a surface is float(float(ambient + light 0) + light 1) ..., where a light is
   // float(diffuse + highlight) of its shadow ray, if unoccluded.
   Rgb ambient{}, background{};
   Vec3d diffuse{}, highlight{};
-  // For all except shadow rays, which are part of the surface's sum: the exact contribution to the
-  // pixel, weight * radiance as rounded by the film.
-  Vec3d brings{};
+  // For all except shadow rays, which are part of the surface's sum: what the ray adds to the
+  // pixel, exactly: float(weight * radiance), rounded to a multiple of Explanation::unit.
+  Vec3d adds{};
 };
 
 struct Explanation {
   std::vector<ExplainedRay> rays;  // parents before their children
-  Vec3d rgb;                       // the sum of the rays' contributions
+  Vec3d rgb;                       // the sum of what the rays add
+  float ambient = 0;               // A, times the colour of a surface
+  double unit = 1;                 // of the film's sums
+  std::vector<PreparedScene::Emitter> lights;
   RayCounts counts;
 };
 

@@ -68,7 +68,6 @@ void inspect_region(Inspected& out, const std::atomic<bool>& stop) {
   while (double(along(width)) * along(height) > kMaxRegionPixels) ++step;
   RayBatch stopped;
   std::vector<size_t> places;
-  const double extent = out.side_view.extent;
   for (int y = 0; y < height; y += step)
     for (int x = 0; x < width; x += step) {
       if (stop || out.rays.size() >= kMaxRegionRays) break;
@@ -79,7 +78,7 @@ void inspect_region(Inspected& out, const std::atomic<bool>& stop) {
       for (const ExplainedRay& r : one->rays) {
         if (out.rays.size() >= kMaxRegionRays) break;
         RegionRay ray{kind_of(r), r.level, Vec3d(r.ray.origin),
-                      app::drawn_end(r, std::nullopt, extent)};
+                      app::drawn_end(r, std::nullopt, out.side_view)};
         if (r.hit.found())
           ray.hit = accel.geometry().kind_of(r.hit.primitive), ray.material = r.surface->material;
         if (ray.kind == RayKind::stopped) stopped.push(r.ray), places.push_back(out.rays.size());
@@ -141,8 +140,8 @@ std::shared_ptr<const Inspected> inspect(const InspectionRequest& request,
     out->error = sample.error();
     return out;
   }
-  out->side_view =
-      app::side_view(*sample, out->settings, double(out->settings.width) / out->settings.height);
+  out->side_view = app::side_view(*sample, out->settings, {x, y},
+                                  double(out->settings.width) / out->settings.height);
   if (request.is_region()) {
     inspect_region(*out, stop);
   } else {

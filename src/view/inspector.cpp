@@ -16,7 +16,7 @@ void Inspector::close() {
   open_ = picking_ = playing_ = false;
   found_.reset();
   scene_.set({}, nullptr);
-  scene_.boxes.clear(), scene_.points.clear();
+  scene_.boxes.clear(), scene_.points.clear(), scene_.objects.reset();
 }
 
 std::string Inspector::look(const ViewState& state, const Stage& stage,
@@ -82,7 +82,7 @@ std::optional<std::expected<std::string, Error>> Inspector::poll() {
 }
 
 void Inspector::take(std::shared_ptr<const Inspected> found) {
-  found_ = std::move(found);
+  found_ = std::move(found), copied_ = false;
   const auto& rays = found_->sample.rays;
   children_.assign(rays.size(), {});
   for (size_t i = 1; i < rays.size(); ++i) children_[size_t(rays[i].parent)].push_back(int(i));
@@ -196,12 +196,22 @@ std::string Inspector::label_of(int ray) const {
     if (by) return trf("light {} is behind {}", r.light, app::name_of(geometry, by->primitive));
     return r.occluded ? trf("light {} is hidden", r.light) : trf("light {} shines", r.light);
   }
-  const std::string hit =
-      !r.traced ? tr("beyond the last level")
-      : r.hit.found()
-          ? fmt::format("{}, t {:.4g}", app::name_of(geometry, r.hit.primitive), r.hit.t)
-          : tr("background");
-  return fmt::format("{}  {}: {}, {:.3g}", ray, tr(name_of(kind_of(r))), hit, r.weight.x);
+  const Rgb w = r.weight;
+  const std::string weight = w == Rgb(w.x) ? fmt::format("{:.3g}", w.x)
+                                           : fmt::format("{:.3g} {:.3g} {:.3g}", w.x, w.y, w.z);
+  const std::string hit = !r.traced       ? tr("beyond the last level")
+                          : r.hit.found() ? app::name_of(geometry, r.hit.primitive)
+                                          : tr("background");
+  return fmt::format("{}  {}: {}, {} {}", ray, tr(name_of(kind_of(r))), hit, tr("weight"), weight);
+}
+
+Camera Inspector::side_camera() const {
+  if (!has_pixel()) return found_->side_view.camera;
+  return app::side_view(found_->sample, found_->settings, found_->request.pixel, aspect_).camera;
+}
+
+std::string Inspector::explanation() const {
+  return has_pixel() ? app::explained_text(found_->explained()) : std::string();
 }
 
 Vec3d Inspector::place(Vec3f p) const { return found_->request.scene->origin + Vec3d(p); }
@@ -214,7 +224,7 @@ std::vector<DrawnRay> Inspector::pixel_rays() const {
   for (size_t i = 0; i < rays.size(); ++i) {
     const ExplainedRay& r = rays[i];
     DrawnRay d{.from = Vec3d(r.ray.origin),
-               .to = app::drawn_end(r, found_->logs[i], found_->side_view.extent),
+               .to = app::drawn_end(r, found_->logs[i], found_->side_view),
                .kind = kind_of(r)};
     d.chosen = int(i) == ray_;
     const bool later = step_ >= 0 && places_in_order_[i] > here;
@@ -237,6 +247,7 @@ std::vector<DrawnRay> Inspector::pixel_rays() const {
 void Inspector::update_scene() {
   scene_.boxes.clear(), scene_.points.clear();
   if (!found_) return;
+  scene_.objects = found_->side_view;
   if (!has_pixel()) {
     std::vector<DrawnRay> drawn;
     const float alpha = std::clamp(300.0f / float(found_->rays.size() + 1), 0.12f, 0.8f);
@@ -266,6 +277,7 @@ void Inspector::update_scene() {
 
 void Inspector::draw_rays(const Rect& area, const Camera& camera, const Stage& stage) {
   if (!open_ || !found_) return;
+  aspect_ = stage.aspect();
   scene_.draw(area, camera, stage);
   draw_ray_legend(area, has_pixel());
 }

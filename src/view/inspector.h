@@ -18,6 +18,7 @@ namespace raio::core::view {
 /// User input in the panel.
 struct InspectorResult {
   bool closed = false, copied = false;
+  bool copied_text = false;
   std::optional<Camera> camera;  // viewpoint to go to
   std::string save;              // a suffix: ".svg"
 };
@@ -59,6 +60,8 @@ class Inspector {
                                                                    const Camera& camera) const;
   /// For the displayed pixel; empty for a region.
   std::string command_line(const ViewState& state) const;
+  /// What `raio explain` prints for it; empty for a region.
+  std::string explanation() const;
   /// Whether a pixel is shown, which can be saved.
   bool has_pixel() const { return found_ && !found_->request.is_region(); }
   std::string file_name() const;
@@ -75,19 +78,23 @@ class Inspector {
   void restart(int sample);
   std::string label_of(int ray) const;
   Vec3d place(Vec3f p) const;
+  Camera side_camera() const;
 
   void draw_head(InspectorResult& result);
+  void draw_sections(double now);
   void draw_region();
   void draw_tree(int ray);
   void draw_walk(double now);
   void draw_ray() const;
+  void draw_surface(const ExplainedRay& ray) const;
+  void draw_terms(const ExplainedRay& light) const;
   void draw_sum() const;
 
   Inspection inspection_;
   bool open_ = false, picking_ = false;
   InspectionRequest request_;
-  Camera eye_;  // for the inspected pixel
-  double aspect_ = 1;
+  Camera eye_;         // for the inspected pixel
+  double aspect_ = 1;  // of the window's picture
   std::shared_ptr<const Inspected> found_;
   std::vector<std::vector<int>> children_;
   std::vector<int> order_;  // order of playing
@@ -100,6 +107,7 @@ class Inspector {
   float speed_ = 3;  // steps per second
   RayFilter filter_;
   RayScene scene_;
+  bool copied_ = false;  // the displayed pixel, as text
   std::string button_places_;
 };
 

@@ -46,9 +46,19 @@ void row(const char* name, Vec3<T> v) {
   row(name, brief(v), exact(v));
 }
 
+void number_row(const char* name, float x) {
+  row(name, fmt::format("{:.5g}", x), fmt::format("{}", x));
+}
+
 void wrapped(const std::string& line) {
   ImGui::PushTextWrapPos(0);
   text(line);
+  ImGui::PopTextWrapPos();
+}
+
+void faint_wrapped(const std::string& line) {
+  ImGui::PushTextWrapPos(0);
+  faint_text(line);
   ImGui::PopTextWrapPos();
 }
 
@@ -59,23 +69,31 @@ ImVec4 patch_of(Vec3d c) {
 
 }  // namespace
 
+// The pixel and its buttons stay in place while the rest scrolls.
 InspectorResult Inspector::draw_panel(const Rect& where, double now) {
   InspectorResult result;
-  begin_panel("inspector", where);
+  begin_panel("inspector", where, false);
   draw_head(result);
+  ImGui::BeginChild("rest", {}, false, ImGuiWindowFlags_AlwaysVerticalScrollbar);
   if (found_ && !has_pixel()) draw_region();
-  if (has_pixel() && !result.closed) {
-    if (open_section("Tree of rays", true)) {
-      ImGui::BeginChild("tree", {0, 9.5f * em()}, false, ImGuiWindowFlags_HorizontalScrollbar);
-      draw_tree(0);
-      ImGui::EndChild();
-    }
-    if (open_section("Step by step", true)) draw_walk(now);
-    if (open_section("The ray", true)) draw_ray();
-    if (open_section("Contributions to the colour", true)) draw_sum();
-  }
+  if (has_pixel() && !result.closed) draw_sections(now);
+  ImGui::EndChild();
   ImGui::End();
   return result;
+}
+
+void Inspector::draw_sections(double now) {
+  if (open_section("Tree of rays", true)) {
+    // As high as its lines, up to a limit.
+    const float lines = ImGui::GetTextLineHeightWithSpacing() * float(children_.size() + 1);
+    ImGui::BeginChild("tree", {0, std::min(lines, 16 * em())}, false,
+                      ImGuiWindowFlags_HorizontalScrollbar);
+    draw_tree(0);
+    ImGui::EndChild();
+  }
+  if (open_section("Step by step", true)) draw_walk(now);
+  if (open_section("The ray", true)) draw_ray();
+  if (open_section("Contributions to the colour", true)) draw_sum();
 }
 
 void Inspector::draw_head(InspectorResult& result) {
@@ -111,7 +129,7 @@ void Inspector::draw_head(InspectorResult& result) {
     text(brief(Vec3f(rgb)));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", exact(Vec3f(rgb)).c_str());
   }
-  if (ImGui::Button(tr("from the side"))) result.camera = found_->side_view.camera;
+  if (ImGui::Button(tr("from the side"))) result.camera = side_camera();
   ImGui::SameLine();
   if (ImGui::Button(tr("from the eye"))) result.camera = eye_;
   if (!has_pixel()) return;
@@ -126,6 +144,14 @@ void Inspector::draw_head(InspectorResult& result) {
   }
   ImGui::SameLine();
   result.copied = ImGui::Button(tr("copy command"));
+  result.copied_text = ImGui::Button(tr("copy as text"));
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("%s", tr("Copies all rays with their numbers, as raio explain prints them"));
+  copied_ |= result.copied_text;
+  if (copied_) {
+    ImGui::SameLine();
+    faint_text(tr("copied"));
+  }
   if (button_places_.empty()) button_places_ = places;
 }
 
@@ -218,22 +244,19 @@ void Inspector::draw_walk(double now) {
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderInt(
           "##step", &step, 0, int(steps_.size()),
-          step == 0 ? tr("the whole ray") : trf("step %d of {}", steps_.size()).c_str()))
+          step == 0 ? tr("all of the ray") : trf("step %d of {}", steps_.size()).c_str()))
     playing_ = false, choose(ray_, step - 1);
+  if (step_ < 0) return faint_wrapped(tr("Press play, or the keys , and . for single steps"));
   // Of constant height, so that nothing jumps between steps.
-  ImGui::BeginChild("step", {0, 12 * em()});
-  if (step_ >= 0) {
-    const TraversalStep& s = steps_[size_t(step_)];
-    wrapped(s.words);
-    if (!s.formula.empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, palette().accent);
-      wrapped(s.formula);
-      ImGui::PopStyleColor();
-    }
-    for (const auto& [name, value] : s.variables) row(name.c_str(), value);
-  } else {
-    faint_text(tr("Play, or step with , and ."));
+  ImGui::BeginChild("step", {0, 17 * em()});
+  const TraversalStep& s = steps_[size_t(step_)];
+  wrapped(s.words);
+  if (!s.formula.empty()) {
+    ImGui::PushStyleColor(ImGuiCol_Text, palette().accent);
+    wrapped(s.formula);
+    ImGui::PopStyleColor();
   }
+  for (const auto& [name, value] : s.variables) row(name.c_str(), value);
   ImGui::EndChild();
 }
 
@@ -241,36 +264,65 @@ void Inspector::draw_ray() const {
   const ExplainedRay& r = found_->sample.rays[size_t(ray_)];
   row(tr("origin"), place(r.ray.origin));
   row(tr("direction"), r.ray.dir);
-  row(tr("weight"), r.weight);
+  row(tr("weight"),
+      trf("{} of the pixel's colour",
+          r.weight == Rgb(r.weight.x) ? fmt::format("{:.4g}", r.weight.x) : brief(r.weight)),
+      exact(r.weight));
   if (r.kind == Kind::shadow) {
     row(tr("light"), label_of(ray_));
-    row(tr("diffuse"), Vec3f(r.diffuse));
-    row(tr("highlight"), Vec3f(r.highlight));
-    return;
+    return draw_terms(r);
   }
-  if (r.surface) {
-    const ExplainedRay::Surface& s = *r.surface;
-    row(tr("hits"), app::name_of(found_->baked->accel->geometry(), r.hit.primitive));
-    row("t", fmt::format("{}", r.hit.t));
-    row(tr("point"), place(s.point));
-    row(tr("normal"), s.normal);
-    row(tr("material"), fmt::format("{}: kd {:.3g}, ks {:.3g}", s.material, s.kd, s.ks),
-        fmt::format("color {}\nkd {}\nks {}\nspecular {}\nshine {}\ntransmission {}\neta {}",
-                    exact(s.color), s.kd, s.ks, exact(s.specular), s.shine, s.transmission, s.eta));
-    row(tr("ambient"), r.ambient);
-    for (const int k : children_[size_t(ray_)]) {
-      const ExplainedRay& light = found_->sample.rays[size_t(k)];
-      if (light.kind != Kind::shadow) continue;
-      if (light.occluded)
-        row(fmt::format("{} {}", tr("light"), light.light).c_str(), label_of(k));
-      else
-        row(fmt::format("{} {}", tr("light"), light.light).c_str(),
-            Vec3f(light.diffuse + light.highlight));
-    }
-  } else {
+  if (r.surface)
+    draw_surface(r);
+  else
     row(tr("background"), r.background);
+  row(tr("adds"), r.adds);
+}
+
+void Inspector::draw_surface(const ExplainedRay& r) const {
+  const ExplainedRay::Surface& s = *r.surface;
+  row(tr("hits"), app::name_of(found_->baked->accel->geometry(), r.hit.primitive));
+  number_row("t", r.hit.t);
+  row(tr("point"), place(s.point));
+  row(tr("normal"), s.normal);
+  if (s.geometric != s.normal) row(tr("flat normal"), s.geometric);
+  row(tr("material"), fmt::format("{}", s.material));
+  row(tr("colour"), s.color);
+  number_row("Kd", s.kd), number_row("Ks", s.ks);
+  if (s.specular != Rgb(1)) row(tr("its colour"), s.specular);
+  number_row("Shine", s.shine), number_row("T", s.transmission);
+  number_row(tr("refractive index"), s.ior);
+  if (s.gloss > 0) number_row(tr("gloss"), s.gloss);
+  if (s.translucency > 0) number_row(tr("translucency"), s.translucency);
+  if (s.transmission > 0) {
+    number_row("eta", s.eta), number_row("cos", s.cosine);
+    if (s.cosine2_behind >= 0)
+      number_row("cos'", std::sqrt(s.cosine2_behind));
+    else
+      row("cos'", tr("total internal reflection"));
+    if (s.reflectance) number_row("Kr", *s.reflectance);
   }
-  row(tr("contributes"), r.brings);
+  row(tr("ambient"), r.ambient);
+  for (const int k : children_[size_t(ray_)]) {
+    const ExplainedRay& light = found_->sample.rays[size_t(k)];
+    if (light.kind != Kind::shadow) continue;
+    row(fmt::format("{} {}", tr("light"), light.light).c_str(), label_of(k));
+    if (!light.occluded) draw_terms(light);
+  }
+  row("C", s.radiance);
+}
+
+// A light's intensity, angles and terms.
+void Inspector::draw_terms(const ExplainedRay& light) const {
+  const ExplainedRay::Light& lit = *light.lit;
+  const bool blinn = found_->settings.shading == ShadingModel::blinn_phong;
+  row("I", found_->sample.lights[size_t(light.light)].intensity);
+  row("L", light.ray.dir);
+  number_row("N.L", lit.n_dot_l);
+  row(tr("diffuse"), Vec3f(light.diffuse));
+  number_row(blinn ? "N.H" : "R.V", lit.cosine);
+  number_row("^Shine", lit.power);
+  row(tr("highlight"), Vec3f(light.highlight));
 }
 
 // Exact: a pixel's sum consists of these very numbers.
@@ -282,8 +334,8 @@ void Inspector::draw_sum() const {
   for (const int i : order_) {
     const ExplainedRay& r = rays[size_t(i)];
     if (r.kind == Kind::shadow) continue;
-    sum = sum + r.brings;
-    if (++rows <= kMaxRows) row(trf("ray {}", i).c_str(), r.brings);
+    sum = sum + r.adds;
+    if (++rows <= kMaxRows) row(trf("ray {}", i).c_str(), r.adds);
   }
   if (rows > kMaxRows) faint_text(trf("and {} more", rows - kMaxRows));
   ImGui::Separator();

@@ -1,7 +1,11 @@
 #include "view/inspector_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "base/exact_math.h"
 #include "integrate/camera.h"
@@ -20,6 +24,77 @@ void draw_box(ImDrawList& draw, const Projection& projection, const DrawnBox& b)
     if (const auto s = projection.segment(Vec3d(from), Vec3d(to)))
       draw.AddLine((*s)[0], (*s)[1], color(palette().accent, b.alpha), b.alpha >= 1 ? 2.0f : 1.0f);
   });
+}
+
+void draw_line(ImDrawList& draw, const Projection& projection, const Vec3d& from, const Vec3d& to,
+               ImU32 ink, float width) {
+  const auto s = projection.segment(from, to);
+  if (!s) return;
+  draw.AddLine((*s)[0], (*s)[1], color(palette().ground, 0.55f), width + 0.14f * em());
+  draw.AddLine((*s)[0], (*s)[1], ink, width);
+}
+template <class Corners>
+void draw_outline(ImDrawList& draw, const Projection& projection, const Corners& corners, ImU32 ink,
+                  float width) {
+  for (size_t k = 0; k < corners.size(); ++k)
+    draw_line(draw, projection, corners[k], corners[(k + 1) % corners.size()], ink, width);
+}
+
+void draw_name(ImDrawList& draw, ImVec2 at, const std::string& name) {
+  const ImVec2 size = ImGui::CalcTextSize(name.c_str());
+  const ImVec2 lo(at.x + 0.7f * em(), at.y - 1.5f * em());
+  draw.AddRectFilled({lo.x - 0.2f * em(), lo.y}, {lo.x + size.x + 0.2f * em(), lo.y + size.y},
+                     color(palette().ground, 0.7f), 0.2f * em());
+  draw.AddText(lo, color(palette().text), name.c_str());
+}
+
+// The camera with its image plane and the pixel there. Its own eye sees nothing of it.
+void draw_camera(ImDrawList& draw, const Projection& projection, const app::SideView& view) {
+  const auto eye = projection.point(view.eye);
+  if (!eye) return;
+  const ImU32 ink = color(palette().text, 0.8f);
+  std::array<ImVec2, 4> image;
+  size_t visible = 0;
+  for (const Vec3d& corner : view.image) {
+    if (!view.is_parallel) draw_line(draw, projection, view.eye, corner, ink, 0.07f * em());
+    if (const auto p = projection.point(corner)) image[visible++] = *p;
+  }
+  if (visible == 4) draw.AddConvexPolyFilled(image.data(), 4, color(palette().text, 0.12f));
+  draw_outline(draw, projection, view.image, ink, 0.12f * em());
+  draw_outline(draw, projection, view.pixel, color(palette().accent), 0.16f * em());
+  draw.AddCircleFilled(*eye, 0.4f * em(), color(palette().ground));
+  draw.AddCircleFilled(*eye, 0.32f * em(), color(palette().text));
+  draw_name(draw, *eye, tr("camera"));
+}
+
+void draw_light(ImDrawList& draw, const Projection& projection, const app::SideView& view,
+                const app::SideView::Light& light) {
+  const auto p = projection.point(light.at);
+  if (!p) return;
+  const ImU32 ink = color(palette().text);
+  draw_outline(draw, projection, light.corners, ink, 0.1f * em());
+  const auto before =
+      light.towards ? projection.point(light.at - *light.towards * (0.1 * view.extent)) : p;
+  if (light.towards && before) {
+    const float dx = p->x - before->x, dy = p->y - before->y;
+    const float length = std::max(float(exact_hypot(dx, dy)), 1.0f);
+    const float x = em() * dx / length, y = em() * dy / length;
+    const ImVec2 tip(p->x + 1.7f * x, p->y + 1.7f * y);
+    draw.AddLine(*p, tip, ink, 0.16f * em());
+    for (const float side : {-0.55f, 0.55f})
+      draw.AddLine(tip, {p->x + 0.9f * x - side * y, p->y + 0.9f * y + side * x}, ink,
+                   0.16f * em());
+  } else {
+    for (int k = 0; k < 8; ++k) {
+      const auto x = float(exact_cos(k * std::numbers::pi / 4)) * em(),
+                 y = float(exact_sin(k * std::numbers::pi / 4)) * em();
+      draw.AddLine({p->x + 0.6f * x, p->y + 0.6f * y}, {p->x + 0.95f * x, p->y + 0.95f * y}, ink,
+                   0.11f * em());
+    }
+  }
+  draw.AddCircleFilled(*p, 0.48f * em(), ink);
+  draw.AddCircleFilled(*p, 0.38f * em(), IM_COL32(250, 210, 60, 255));
+  draw_name(draw, *p, fmt::format("{} {}", tr("light"), light.number));
 }
 
 }  // namespace
@@ -116,6 +191,10 @@ void RayScene::draw(const Rect& area, const Camera& camera, const Stage& stage) 
   for (const bool chosen : {false, true})
     for (size_t i = 0; i < rays_.size(); ++i)
       if (rays_[i].chosen == chosen) draw_ray(draw, projection, i);
+  if (objects) {
+    draw_camera(draw, projection, *objects);
+    for (const auto& light : objects->lights) draw_light(draw, projection, *objects, light);
+  }
   for (const DrawnRay& r : rays_) {
     const auto p = projection.point(r.to);
     if (!p || (r.label.empty() && !r.is_sample)) continue;

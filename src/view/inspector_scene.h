@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,8 @@ class RayScene {
   /// `accel` determines which parts are hidden; null: none. Kept alive by `owner`.
   void set(std::vector<DrawnRay> rays, std::shared_ptr<const BakedScene> hides);
   std::vector<DrawnBox> boxes;
-  std::vector<Vec3d> points;  // along a ray
+  std::vector<Vec3d> points;             // along a ray
+  std::optional<app::SideView> objects;  // the inspected camera and the lights
 
   void draw(const Rect& area, const Camera& camera, const Stage& stage);
 

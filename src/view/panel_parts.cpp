@@ -7,14 +7,15 @@
 
 namespace raio::core::view {
 
-void begin_panel(const char* name, const Rect& where) {
+void begin_panel(const char* name, const Rect& where, bool scrolls) {
   ImGui::SetNextWindowPos({where.left, where.top});
   ImGui::SetNextWindowSize({where.width(), where.height()});
-  ImGui::Begin(name, nullptr,
-               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoBringToFrontOnFocus |
-                   ImGuiWindowFlags_AlwaysVerticalScrollbar);
+  ImGui::Begin(
+      name, nullptr,
+      ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings |
+          ImGuiWindowFlags_NoBringToFrontOnFocus |
+          (scrolls ? ImGuiWindowFlags_AlwaysVerticalScrollbar : ImGuiWindowFlags_NoScrollbar));
   ImGui::GetWindowDrawList()->AddLine({where.left, where.top}, {where.left, where.bottom},
                                       color(palette().line));
 }

@@ -21,8 +21,8 @@ inline void faint_text(const std::string& line) {
   ImGui::PopStyleColor();
 }
 
-/// Starts a panel that fills its area; ImGui::End() ends it.
-void begin_panel(const char* name, const Rect& where);
+/// Starts a panel that fills its area; ImGui::End() ends it. Without `scrolls`, parts of it may.
+void begin_panel(const char* name, const Rect& where, bool scrolls = true);
 
 /// A heading that opens the content below; `name` is a key of the table of texts. Returns whether
 /// it is open.

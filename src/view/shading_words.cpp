@@ -37,11 +37,7 @@ class ShadingNarrator {
     } else {
       ambient();
       for (size_t l = 0; l < scene_.lights.size(); ++l) light(ray_, l, child(Kind::shadow, int(l)));
-      Rgb radiance = ray_.ambient;
-      for (const ExplainedRay& r : sample_.rays)
-        if (r.kind == Kind::shadow && r.parent == int(id_) && !r.occluded)
-          radiance = radiance + Rgb(r.diffuse + r.highlight);
-      sum(radiance);
+      sum(ray_.surface->radiance);
       mirror(*ray_.surface);
       refraction(*ray_.surface);
     }
@@ -62,14 +58,12 @@ class ShadingNarrator {
   }
 
   void ambient() {
-    bool any_color = false;
-    for (const Light& l : scene_.lights) any_color |= l.color.has_value();
     const bool none = settings_.shading != ShadingModel::nff;
-    add(none        ? tr("Ambient light: none in this shading model")
-        : any_color ? tr("Ambient light: none, since lights of the scene have colours")
-                    : tr("Ambient light, the same everywhere"),
+    add(none                   ? tr("Ambient light: none in this shading model")
+        : sample_.ambient == 0 ? tr("Ambient light: none, since lights of the scene have colours")
+                               : tr("Ambient light, the same everywhere"),
         "ambient = A colour",
-        {{"A", none || any_color ? "0" : "0.1"},
+        {{"A", number(sample_.ambient)},
          {"colour", numbers(ray_.surface->color)},
          {"ambient", numbers(ray_.ambient)}});
   }
@@ -86,9 +80,7 @@ class ShadingNarrator {
       add(trf("Light {} is occluded and contributes nothing", l));
       return;
     }
-    const Rgb intensity =
-        scene_.lights[l].color.value_or(Rgb(float(1 / std::sqrt(double(scene_.lights.size())))));
-    const Vec3d n(s.normal), to_light(shadow->ray.dir), v = -Vec3d(at.ray.dir);
+    const Rgb intensity = sample_.lights[l].intensity;
     add(trf("Light {}, diffuse: the brighter, the more directly the light faces the surface", l),
         "diffuse = I Kd colour (N.L)",
         {{"I", numbers(intensity)},
@@ -96,23 +88,22 @@ class ShadingNarrator {
          {"colour", numbers(s.color)},
          {"N", numbers(s.normal)},
          {"L", numbers(shadow->ray.dir)},
-         {"N.L", number(dot(n, to_light))},
+         {"N.L", number(shadow->lit->n_dot_l)},
          {"diffuse", numbers(shadow->diffuse)}});
-    if (s.ks > 0) highlight(s, l, intensity, to_light, v, shadow->highlight);
+    if (s.ks > 0) highlight(s, l, intensity, -at.ray.dir, *shadow);
   }
 
-  void highlight(const Surface& s, size_t l, Rgb intensity, Vec3d to_light, Vec3d v, Vec3d term) {
-    const Vec3d n(s.normal);
+  void highlight(const Surface& s, size_t l, Rgb intensity, Vec3f v, const ExplainedRay& shadow) {
     const bool halfway = settings_.shading == ShadingModel::blinn_phong;
-    const Vec3d to = halfway ? normalize(to_light + v) : n * (2 * dot(n, to_light)) - to_light;
+    const ExplainedRay::Light& lit = *shadow.lit;
     Variables variables{{"I", numbers(intensity)}, {"Ks", number(s.ks)}};
     if (is_tinted(s)) variables.push_back({"specular", numbers(s.specular)});
-    variables.insert(variables.end(),
-                     {{"Shine", number(s.shine)},
-                      {halfway ? "H" : "R", numbers(to)},
-                      {"V", numbers(v)},
-                      {halfway ? "N.H" : "R.V", number(halfway ? dot(n, to) : dot(to, v))},
-                      {"highlight", numbers(term)}});
+    variables.insert(variables.end(), {{"Shine", number(s.shine)},
+                                       {halfway ? "H" : "R", numbers(lit.direction)},
+                                       {"V", numbers(v)},
+                                       {halfway ? "N.H" : "R.V", number(lit.cosine)},
+                                       {halfway ? "(N.H)^Shine" : "(R.V)^Shine", number(lit.power)},
+                                       {"highlight", numbers(shadow.highlight)}});
     add(halfway ? trf("Light {}, highlight: the brighter, the closer H, halfway to the eye, is to "
                       "the normal",
                       l)
@@ -128,29 +119,23 @@ class ShadingNarrator {
   static bool is_tinted(const Surface& s) { return s.specular != Rgb(1); }
   static std::string_view ks_name(const Surface& s) { return is_tinted(s) ? "Ks specular" : "Ks"; }
 
-  // Fresnel's reflectance if it splits the light, for the variables of both rays.
-  bool divides(const Surface& s) const {
-    return settings_.fresnel != Fresnel::none && s.transmission > 0;
-  }
-  double reflectance(const Surface& s) const {
-    const double eta = s.eta, in = std::clamp(-dot(Vec3d(ray_.ray.dir), Vec3d(s.normal)), 0.0, 1.0);
-    const double k = 1 - eta * eta * (1 - in * in), out = std::sqrt(std::max(k, 0.0));
-    if (k < 0) return 1;
-    const auto ratio = [](double a, double b) {
-      const double r = (a - b) / std::max(a + b, 1e-30);
-      return r * r;
-    };
-    if (settings_.fresnel == Fresnel::exact)
-      return (ratio(eta * in, out) + ratio(eta * out, in)) / 2;
-    const double least = ratio(eta, 1);
-    const double flat = 1 - (eta > 1 ? out : in);
-    return least + (1 - least) * flat * flat * flat * flat * flat;
-  }
   std::string reflectance_formula() const {
     return settings_.fresnel == Fresnel::exact
                ? "Kr = (((eta c - c') / (eta c + c'))^2 + ((eta c' - c) / (eta c' + c))^2) / 2"
-               : "Kr = R0 + (1 - R0) (1 - cos)^5, R0 = ((eta - 1) / (eta + 1))^2";
+               : "Kr = R0 + (1 - R0) (1 - min(c, c'))^5, R0 = ((eta - 1) / (eta + 1))^2";
   }
+  // The variables of Snell's law and of the reflectance: n and n' are the indices of refraction
+  // before and behind the surface, c and c' the cosines there, c'^2 = k.
+  Variables snell(const Surface& s) const {
+    Variables out{{"n", number(s.index_before())},
+                  {"n'", number(s.index_behind())},
+                  {"eta", number(s.eta)},
+                  {"c", number(s.cosine)},
+                  {"k", number(s.cosine2_behind)}};
+    if (s.cosine2_behind >= 0) out.emplace_back("c'", number(std::sqrt(s.cosine2_behind)));
+    return out;
+  }
+  static constexpr std::string_view kSnell = "eta = n / n', c = -D.N\nk = 1 - eta^2 (1 - c^2)";
 
   void sum(Rgb radiance) {
     add(ray_.surface ? tr("The sum of these terms, times the weight of the ray, is what it adds to "
@@ -160,40 +145,41 @@ class ShadingNarrator {
                      : "adds = weight C",
         {{"C", numbers(radiance)},
          {"weight", weight_text(ray_.weight)},
-         {"adds", numbers(ray_.brings)}});
+         {"adds", numbers(ray_.adds)}});
   }
 
   void mirror(const Surface& s) {
-    const bool by_angle = divides(s);
+    const bool by_angle = s.reflectance.has_value();
     if (!by_angle && !(s.ks > 0)) return;
     const ExplainedRay* const to = child(Kind::reflection);
     if (!to) {
       add(tr("Reflection is switched off"));
       return;
     }
-    // A smooth normal can send the ray through the surface; then the geometric one reflects it.
-    const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
-    const Vec3d smooth_out = in - smooth * (2 * dot(in, smooth));
-    const Vec3d n = dot(smooth_out, flat) > 0 ? smooth : flat;
-    Variables variables{{"D", numbers(ray_.ray.dir)},
+    const Vec3d in(ray_.ray.dir), n(s.mirror_normal);
+    Variables variables{{"D", numbers(in)},
                         {"N", numbers(n)},
                         {"D.N", number(dot(in, n))},
                         {"R", numbers(in - n * (2 * dot(in, n)))}};
     if (by_angle) {
-      variables.insert(variables.end(), {{"eta", number(s.eta)}, {"Kr", number(reflectance(s))}});
+      for (auto& one : snell(s)) variables.push_back(std::move(one));
+      variables.push_back({"Kr", number(*s.reflectance)});
     } else {
       variables.push_back({"Ks", number(s.ks)});
       if (is_tinted(s)) variables.push_back({"specular", numbers(s.specular)});
     }
-    variables.push_back({"weight'", weight_text(to->weight)});
-    const std::string part = by_angle       ? number(reflectance(s))
+    variables.insert(variables.end(),
+                     {{"weight", weight_text(ray_.weight)}, {"weight'", weight_text(to->weight)}});
+    const std::string part = by_angle       ? number(*s.reflectance)
                              : is_tinted(s) ? numbers(s.specular * s.ks)
                                             : number(s.ks);
     add(trf("The mirrored ray has direction R and {} times the weight of this one", part),
-        fmt::format("R = D - 2 (D.N) N\n{}weight' = {} weight",
-                    by_angle ? reflectance_formula() + "\n" : "", by_angle ? "Kr" : ks_name(s)),
+        fmt::format(
+            "R = D - 2 (D.N) N\n{}weight' = {} weight",
+            by_angle ? fmt::format("{}\nc' = sqrt k\n{}\n", kSnell, reflectance_formula()) : "",
+            by_angle ? "Kr" : ks_name(s)),
         std::move(variables));
-    rough(settings_.gloss.value_or(s.roughness), to->ray.dir);
+    rough(s.gloss, to->ray.dir);
   }
 
   // The direction that the ray really takes.
@@ -207,41 +193,27 @@ class ShadingNarrator {
   void refraction(const Surface& s) {
     if (!(s.transmission > 0)) return;
     const ExplainedRay* const to = child(Kind::refraction);
-    const Vec3d in(ray_.ray.dir), smooth(s.normal), flat(s.geometric);
-    const auto k_of = [&](Vec3d n) {
-      const double c = -dot(in, n);
-      return 1 - double(s.eta) * s.eta * (1 - c * c);
-    };
-    // As above: if a smooth normal leaves the ray on its side, the geometric one is used.
-    Vec3d n = smooth;
-    if (const double k = k_of(n), c = -dot(in, n);
-        !(dot(in * double(s.eta) + n * (s.eta * c - std::sqrt(std::max(0.0, k))), flat) < 0))
-      n = flat;
-    Variables variables{{"eta", number(s.eta)},
-                        {"D", numbers(ray_.ray.dir)},
-                        {"N", numbers(n)},
-                        {"c", number(-dot(in, n))},
-                        {"k", number(k_of(n))}};
+    const Vec3d in(ray_.ray.dir), n(s.refraction_normal);
+    Variables variables{{"D", numbers(in)}, {"N", numbers(n)}};
+    for (auto& one : snell(s)) variables.push_back(std::move(one));
     if (!to) {
-      add(k_of(n) < 0 ? tr("Total internal reflection: no ray is refracted")
-                      : tr("Refraction is switched off"),
-          "c = -D.N\nk = 1 - eta^2 (1 - c^2) < 0", std::move(variables));
+      add(s.cosine2_behind < 0 ? tr("Total internal reflection: no ray is refracted")
+                               : tr("Refraction is switched off"),
+          fmt::format("{}{}", kSnell, s.cosine2_behind < 0 ? " < 0" : ""), std::move(variables));
       return;
     }
-    const bool by_angle = divides(s);
-    const double part = by_angle ? 1 - reflectance(s) : double(s.transmission);
-    const double k = std::max(0.0, k_of(n)), c = -dot(in, n);
-    const Vec3d dir = in * double(s.eta) + n * (s.eta * c - std::sqrt(k));
-    variables.insert(variables.end(), {{"D'", numbers(dir)},
-                                       {by_angle ? "1 - Kr" : "T", number(part)},
+    const float part = s.reflectance ? 1 - *s.reflectance : s.transmission;
+    const double eta = s.eta, c = s.cosine, root = std::sqrt(double(s.cosine2_behind));
+    variables.insert(variables.end(), {{"D'", numbers(in * eta + n * (eta * c - root))},
+                                       {s.reflectance ? "1 - Kr" : "T", number(part)},
+                                       {"weight", weight_text(ray_.weight)},
                                        {"weight'", weight_text(to->weight)}});
     add(trf("The refracted ray follows Snell's law and has {} times the weight of this one",
             number(part)),
-        fmt::format("c = -D.N\nk = 1 - eta^2 (1 - c^2)\nD' = eta D + (eta c - sqrt k) N\n"
-                    "weight' = {} weight",
-                    by_angle ? "(1 - Kr)" : "T"),
+        fmt::format("{}\nc' = sqrt k\nD' = eta D + (eta c - c') N\nweight' = {} weight", kSnell,
+                    s.reflectance ? "(1 - Kr)" : "T"),
         std::move(variables));
-    rough(settings_.translucency.value_or(s.roughness), to->ray.dir);
+    rough(s.translucency, to->ray.dir);
   }
 
   const Explanation& sample_;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "app/test_numbers.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
@@ -19,35 +21,6 @@ std::string brief(double x) { return fmt::format("{:.4g}", x); }
 
 std::string cell_text(const TraceLog::Step& s) {
   return fmt::format("({}, {}, {})", s.cell[0], s.cell[1], s.cell[2]);
-}
-
-// The computation of the kind's first_hit() (shape/). C is a centre, P a point, O + t D the ray.
-const char* formula_of(PrimitiveKind kind) {
-  switch (kind) {
-    case PrimitiveKind::plane:
-      return "t = N.(P - O) / N.D";
-    case PrimitiveKind::sphere:
-      return "m = (C - O).D\nh^2 = r^2 - |C - O - m D|^2\nt = m - h > 0, or m + h";
-    case PrimitiveKind::triangle:
-      return "A, B, C = S (corners - O), S D = (0, 0, 1)\n"
-             "U = Cx By - Cy Bx\nV = Ax Cy - Ay Cx\nW = Bx Ay - By Ax\n"
-             "U, V, W >= 0 or U, V, W <= 0\nt = (U Az + V Bz + W Cz) / (U + V + W)";
-    case PrimitiveKind::cone:
-      return "X(t) = O + t D - base, z = X.axis\n|X|^2 - z^2 = (r + k z)^2, 0 <= z <= height";
-    case PrimitiveKind::ellipsoid:
-      return "O' = M (O - C), D' = M D\nm = -O'.D' / D'.D'\n"
-             "h^2 = (1 - |O' + m D'|^2) / D'.D'\nt = m - h > 0, or m + h";
-    case PrimitiveKind::disc:
-      return "t = N.(C - O) / N.D\nr_in <= |O + t D - C| <= r";
-    case PrimitiveKind::moving_sphere:
-      return "C = C0 + (C1 - C0) (time - t0) / (t1 - t0)\nm = (C - O).D\n"
-             "h^2 = r^2 - |C - O - m D|^2\nt = m - h > 0, or m + h";
-    case PrimitiveKind::moving_triangle:
-      return "A = A0 + (A1 - A0) (time - t0) / (t1 - t0) - O, B and C likewise\n"
-             "u = (C x B).D, v = (A x C).D, w = (B x A).D, of one sign\n"
-             "t = (u A + v B + w C).D / (u + v + w)";
-  }
-  return "";
 }
 
 class TraversalNarrator {
@@ -121,18 +94,27 @@ class TraversalNarrator {
       add(trf("{}: already tested in an earlier cell (mailbox), skipped", name)).test = int(i);
       return;
     }
-    Variables variables{{tr("nearest t so far"), value_text(nearest_)}, {"t", value_text(test.t)}};
+    const PrimitiveKind of = geometry_.kind_of(test.primitive);
+    const app::TestNumbers numbers = app::test_numbers(geometry_, test.primitive, ray_.ray);
+    Variables variables{{tr("nearest t so far"), value_text(nearest_)}};
+    for (const auto& [variable, value] : numbers.values)
+      variables.emplace_back(variable, fmt::format("{:.6g}", fmt::join(value, " ")));
     std::string words;
     if (std::isinf(test.t))
-      words = trf("Test {}: missed", name);
+      words = *numbers.miss ? trf("Test {}: missed, since {}", name, numbers.miss)
+                            : trf("Test {}: missed, since this side is not visible", name);
     else if (!test.nearest)
       words = trf("Test {}: hit at t = {}, but not the nearest", name, brief(test.t));
     else if (shadow())
       words = trf("Test {}: hit at t = {}, before the light", name, brief(test.t));
     else
       words = trf("Test {}: hit at t = {}, the nearest so far", name, brief(test.t));
+    if (of == PrimitiveKind::triangle && !std::exchange(told_of_weights_, true))
+      words +=
+          tr(". The edge functions U, V and W, divided by their sum, are the barycentric "
+             "weights b0, b1 and b2 of the corners, those of Möller and Trumbore's test");
     if (test.nearest) nearest_ = test.t;
-    add(words, formula_of(geometry_.kind_of(test.primitive)), std::move(variables)).test = int(i);
+    add(words, numbers.formula, std::move(variables)).test = int(i);
   }
 
   // ---- The grid.
@@ -292,7 +274,8 @@ class TraversalNarrator {
   const Geometry& geometry_;
   bool grid_;
   double nearest_, reached_ = 0;
-  int at_ = -1;  // the step of the log
+  int at_ = -1;                   // the step of the log
+  bool told_of_weights_ = false;  // once for a ray
   std::vector<TraversalStep> out_;
 };
 

@@ -53,6 +53,7 @@ void Viewer::draw_inspector() {
   if (!inspector_.is_open() || !app_.view.panel) return;
   const InspectorResult did = inspector_.draw_panel(app_.layout.panel, Window::seconds());
   handle(event::InspectorUsed{did, did.copied ? inspector_.command_line(app_.view) : ""});
+  if (did.copied_text) window_.set_clipboard(inspector_.explanation());
   if (std::string places = inspector_.places(); logs_ && places != button_places_) {
     button_places_ = places;
     log("buttons:" + places);
