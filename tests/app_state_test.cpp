@@ -113,6 +113,37 @@ TEST_F(AppStateTest, KeysPressedAtOnceAreStepsOfTheHistory) {
   EXPECT_TRUE(app.view.options.no_reflection);
 }
 
+constexpr int kEscape = 256, kF1 = 290;  // GLFW's
+
+TEST_F(AppStateTest, NoKeyReachesThePictureBehindADialog) {
+  facts.has_dialog = true;
+  for (const KeySpec& key : key_table()) {
+    const Requests requests = press(key.key, key.held);
+    if (key.key == kEscape) {
+      EXPECT_TRUE(find<request::CloseDialogs>(requests));
+    } else if (key.key == kF1) {
+      EXPECT_TRUE(find<request::SwitchHelp>(requests));
+    } else {
+      EXPECT_TRUE(requests.empty()) << key.name;
+    }
+  }
+}
+
+TEST_F(AppStateTest, EscapeClosesAtOnceAndFirstLeavesAFieldOfThePanel) {
+  facts.types = true;
+  EXPECT_TRUE(press(kEscape).empty()) << "the field keeps it";
+  facts.full_screen = true;
+  EXPECT_TRUE(press(kEscape).empty());
+  facts.inspects = true;
+  EXPECT_TRUE(find<request::CloseInspector>(press(kEscape)));
+  facts.inspects = false, facts.picks = true;
+  EXPECT_TRUE(find<request::CloseInspector>(press(kEscape)));
+  facts.has_dialog = true;
+  EXPECT_TRUE(find<request::CloseDialogs>(press(kEscape)));
+  facts = {};
+  EXPECT_TRUE(find<request::CloseWindow>(press(kEscape)));
+}
+
 TEST_F(AppStateTest, AHeldControlIsOneStepOfTheHistory) {
   facts.control_held = true;
   for (const double exposure : {1, 2, 3}) {
@@ -376,7 +407,6 @@ TEST_F(AppStateTest, TheSplitViewRendersTheOtherPicture) {
 }
 
 TEST_F(AppStateTest, EscapeClosesOneThingAfterTheOther) {
-  constexpr int kEscape = 256;
   facts.has_dialog = facts.inspects = facts.full_screen = true;
   EXPECT_TRUE(find<request::CloseDialogs>(press(kEscape)));
   facts.has_dialog = false;
@@ -388,7 +418,7 @@ TEST_F(AppStateTest, EscapeClosesOneThingAfterTheOther) {
   EXPECT_FALSE(find<request::CloseWindow>(requests));
   facts.full_screen = false;
   EXPECT_TRUE(find<request::CloseWindow>(press(kEscape)));
-  facts.has_dialog = true;
+  facts.full_screen = true;
   EXPECT_TRUE(find<request::CloseWindow>(press('Q')));
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "app/json.h"
+#include "app/window_keys.h"
 #include "io/generate/generate.h"
 #include "io/image/image.h"
 #include "program.h"
@@ -229,6 +230,16 @@ TEST_F(CommandLine, HelpIsNarrowAndComplete) {
   EXPECT_LT(help.find("  --fov DEG "), help.find("\n\nSampling:\n"));
   expect_refusal({"help", "rendr"}, 2, "did you mean render?");
   expect_refusal({"help", "render", "verify"}, 2, "unknown command 'verify'");
+}
+
+TEST_F(CommandLine, HelpOfTheWindowEndsWithItsKeys) {
+  const std::string help = raio({"view", "--help"}).out;
+  EXPECT_TRUE(help.ends_with("\n" + app::list_of_keys()));
+  for (const char* line : {"\nKeys in the window:\n  a ", "\n  o, Home ",
+                           "\n  Ctrl+Y, Ctrl+Shift+Z ", "\n  Esc ", "\nMouse:\n  drag "})
+    EXPECT_THAT(help, HasSubstr(line));
+  for (const app::KeySpec& key : app::key_table())
+    EXPECT_THAT(help, HasSubstr((*key.about ? "\n  " : ", ") + std::string(key.name))) << key.name;
 }
 
 TEST_F(CommandLine, BriefHelpFitsOnAScreen) {

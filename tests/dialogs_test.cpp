@@ -28,17 +28,38 @@ using testing::UnorderedElementsAre;
 const ImVec2 kSize(900, 700);
 
 TEST(Dialogs, WelcomeOpensEachOfItsScenes) {
-  const std::vector<std::string> recent = {"/a/one.nff", "/b/two.nff"}, samples = {"/s/three.nff"};
+  const WelcomeFacts facts{
+      .recent = {"/a/one.nff", "/b/two.nff"},
+      .samples = {.course = {"/s/course/four.nff"}, .others = {"/s/three.nff"}}};
   std::multiset<std::string> opened;
   Screen screen(
       [&] {
-        const WelcomeResult now = draw_welcome({0, 0, kSize.x, kSize.y}, recent, samples);
+        const WelcomeResult now = draw_welcome({0, 0, kSize.x, kSize.y}, facts);
         if (now.open) opened.insert(*now.open);
         if (now.asks) opened.insert("asks");
       },
       kSize);
   for (const ImVec2 place : screen.widgets() | std::views::values) screen.click(place);
-  EXPECT_THAT(opened, UnorderedElementsAre("/a/one.nff", "/b/two.nff", "/s/three.nff", "asks"));
+  EXPECT_THAT(opened, UnorderedElementsAre("/a/one.nff", "/b/two.nff", "/s/course/four.nff",
+                                           "/s/three.nff", "asks"));
+}
+
+// Below the last row there is nothing, and no card is cut at the right.
+TEST(Dialogs, WelcomeFillsAnyWindow) {
+  const WelcomeFacts facts{
+      .recent = std::vector<std::string>(1, "/a/one.nff"),
+      .samples = {.course = {},
+                  .others = {"/s/a.nff", "/s/b.nff", "/s/c.nff", "/s/d.nff", "/s/e.nff"}}};
+  for (const ImVec2 size : {ImVec2(700, 500), ImVec2(1600, 1000), ImVec2(150, 300)}) {
+    Screen screen([&] { (void)draw_welcome({0, 0, size.x, size.y}, facts); }, size);
+    screen.frame();
+    const ImGuiWindow* const page = ImGui::FindWindowByName("welcome");
+    EXPECT_EQ(page->ScrollMax.x, 0) << size.x;
+    EXPECT_EQ(page->ScrollMax.y > 0, size.y <= 500) << size.y;
+    if (size.x > 200) {
+      EXPECT_LE(page->ContentSize.x, size.x);
+    }
+  }
 }
 
 class FileDialogs : public testing::Test {
@@ -83,6 +104,15 @@ TEST_F(FileDialogs, EveryButtonResponds) {
   // A file to be replaced takes two presses.
   EXPECT_THAT(press_all(FileDialog::Purpose::save, "new.nff"),
               UnorderedElementsAre("new.nff", "closed"));
+}
+
+TEST_F(FileDialogs, AllFilesAreListedOnRequest) {
+  std::ofstream(folder_ / "notes.txt") << "b";
+  EXPECT_THAT(press_all(FileDialog::Purpose::open, ""),
+              UnorderedElementsAre("a.nff", "b.nff", "closed"));
+  // The box was pressed on the way.
+  EXPECT_THAT(press_all(FileDialog::Purpose::open, ""),
+              UnorderedElementsAre("a.nff", "b.nff", "notes.txt", "closed"));
 }
 
 TEST_F(FileDialogs, FoldersAreEnteredAndNamesTyped) {

@@ -5,15 +5,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "io/file.h"
 #include "io/nff/nff.h"
+#include "io/scene_file.h"
 #include "view/file_dialog.h"
+#include "view/files.h"
 #include "view/history.h"
 #include "view/memory.h"
 #include "view/state.h"
 #include "view/texts.h"
+#include "view/thumbnails.h"
 #include "view_scenes.h"
 
 namespace raio::core::view {
@@ -175,11 +181,96 @@ TEST(FileDialog, ListsFoldersThenScenes) {
   for (const char* name : {"b.nff", "a.raio", "c.png", ".d.nff"})
     ASSERT_TRUE(write_file(folder / name, "x"));
   EXPECT_EQ(entries_of(folder), (std::vector<std::string>{"A/", "z/", "a.raio", "b.nff"}));
+  EXPECT_EQ(entries_of(folder, true),
+            (std::vector<std::string>{"A/", "z/", "a.raio", "b.nff", "c.png"}));
   EXPECT_TRUE(entries_of(folder / "nowhere").empty());
   std::filesystem::remove_all(folder);
 }
 
-TEST(Samples, AreTheScenesOfTheTree) { EXPECT_GE(sample_scenes().size(), 5u); }
+TEST(Samples, AreTheScenesOfTheTree) {
+  const SampleScenes samples = sample_scenes();
+  EXPECT_GE(samples.others.size(), 20u);
+  EXPECT_GE(samples.course.size(), 5u);
+  EXPECT_TRUE(samples.course.front().ends_with("/scenes/course/glass.nff"));
+}
+
+// Looks at the disk until there is a result.
+SceneFile::Read next_read(SceneFile& file) {
+  for (int i = 0; i < 600; ++i) {
+    if (auto read = file.poll(1)) return std::move(*read);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return {"nothing", std::unexpected(Diagnostics{}), {}};
+}
+
+TEST(SceneFile, AFileThatIsGoneIsReportedOnceAndReadAgainWhenItReturns) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / fmt::format("raio_gone_{}", std::random_device()());
+  std::filesystem::create_directories(folder);
+  const auto path = folder / "a.nff", away = folder / "away.nff";
+  ASSERT_TRUE(write_file(path, write_nff(*scene())));
+  SceneFile file(path.string(), kForPictures);
+  std::filesystem::rename(path, away);
+  const SceneFile::Read gone = next_read(file);
+  EXPECT_EQ(gone.path, path.string());
+  ASSERT_FALSE(gone.scene);
+  ASSERT_EQ(gone.scene.error().size(), 1u);
+  EXPECT_EQ(gone.scene.error()[0].text(),
+            path.string() + ": error: the file is gone; the picture shows its last version");
+  for (int i = 0; i < 30; ++i) {
+    EXPECT_FALSE(file.poll(1)) << "it was reported";
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  std::filesystem::rename(away, path);  // with the time that it had
+  const SceneFile::Read back = next_read(file);
+  EXPECT_EQ(back.path, path.string());
+  ASSERT_TRUE(back.scene);
+  EXPECT_EQ((*back.scene)->spheres.size(), scene()->spheres.size());
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Thumbnails, HaveOneShape) {
+  const std::string scenes = std::string(RAIO_SOURCE_DIR) + "/scenes/";
+  const auto wide = make_thumbnail(scenes + "course/solids.nff");  // 300 x 200
+  ASSERT_TRUE(wide) << wide.error();
+  const auto billiards = make_thumbnail(scenes + "billiards.p3f");  // wider
+  ASSERT_TRUE(billiards) << billiards.error();
+  for (const Image& image : {wide->image, billiards->image}) {
+    EXPECT_EQ(image.width, 240);
+    EXPECT_EQ(image.height, 160);
+  }
+  EXPECT_TRUE(wide->about.starts_with("A ball, a pyramid")) << wide->about;
+  const auto square = make_thumbnail(scenes + "shapes.nff");
+  ASSERT_TRUE(square) << square.error();
+  EXPECT_EQ(square->image.height, 160);
+  EXPECT_NE(square->image.pixels.front(), square->image.pixels[80 * 240 + 120]);
+  const auto atoms = make_thumbnail(scenes + "fullerene.xyz");
+  ASSERT_TRUE(atoms) << atoms.error();
+  EXPECT_EQ(atoms->primitives,
+            read_scene(scenes + "fullerene.xyz", kForPictures)->scene.primitive_count());
+  EXPECT_FALSE(make_thumbnail(scenes + "README"));
+}
+
+TEST(Thumbnails, AreMadeInOrderAndEndWithTheirOwner) {
+  const std::string scenes = std::string(RAIO_SOURCE_DIR) + "/scenes/";
+  const std::vector<std::string> paths = {scenes + "salt.xyz", "none.nff", scenes + "shapes.nff"};
+  Thumbnails thumbnails(paths, [] {});
+  std::vector<Thumbnails::Made> made;
+  for (int i = 0; i < 6000 && made.size() < paths.size(); ++i) {
+    for (auto& one : thumbnails.take()) made.push_back(std::move(one));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_EQ(made.size(), paths.size());
+  for (size_t i = 0; i < paths.size(); ++i) {
+    EXPECT_EQ(made[i].path, paths[i]);
+    EXPECT_EQ(made[i].thumbnail.has_value(), i != 1);
+  }
+  std::atomic<int> calls = 0;
+  {
+    const Thumbnails ended(std::vector(1000, paths[2]), [&] { ++calls; });
+  }
+  EXPECT_LT(calls, 1000);
+}
 
 }  // namespace
 }  // namespace raio::core::view

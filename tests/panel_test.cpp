@@ -17,6 +17,8 @@
 #include "view/bars.h"
 #include "view/edit.h"
 #include "view/history.h"
+#include "view/options_panel.h"
+#include "view/panel_parts.h"
 #include "view/scene_panel.h"
 #include "view/texts.h"
 
@@ -77,6 +79,13 @@ const std::set<std::string> kSections = {"###Effects",
                                          "###Scene",
                                          "###All options",
                                          "###Window"};
+
+std::shared_ptr<const Scene> state_with(size_t spheres) {
+  Scene s = *state_of_three().scene;
+  while (s.spheres.size() < spheres)
+    s.spheres.push_back({{float(s.spheres.size()), 0, 0}, 0.5f}), s.sphere_materials.push_back(0);
+  return std::make_shared<const Scene>(std::move(s));
+}
 
 // Only those sections.
 void open_sections(ImGuiWindow& panel, const std::set<std::string>& names) {
@@ -221,6 +230,80 @@ TEST(Panel, EveryPanelControlResponds) {
                           "refraction", "gloss", "translucency", "motion blur", "structure",
                           "measure 16", "show boxes", "measure grids", "light or dark", "big type"})
     EXPECT_TRUE(pressed.contains(key)) << key;
+}
+
+TEST(Panel, EveryOptionShowsTheValueInUse) {
+  ViewState state = state_of_three();
+  ViewState figure = state;
+  figure.options.integrator = IntegratorKind::ambient;
+  CostFacts facts;
+  facts.picture_width = 160, facts.picture_height = 120;
+  for (const ViewState& one : {state, figure})
+    for (const OptionSpec& spec : render_option_table()) {
+      if (spec.of_window) {
+        EXPECT_NE(shown_value(spec, one, facts), "") << spec.name;
+      }
+    }
+  const auto shown = [&](std::string_view name) {
+    return shown_value(option_of(name), state, facts);
+  };
+  // Lights at (3, -4, 5 to 7), the point looked at is (0, 0, 0.5).
+  EXPECT_EQ(shown("light-size"), "0.67268 to 0.82006");
+  EXPECT_EQ(shown("opacity"), "1");
+  EXPECT_EQ(shown("gloss"), "0");
+  EXPECT_EQ(shown("shutter"), "0,1");
+  EXPECT_EQ(shown("grid-factor"), "one cell") << "of three spheres";
+  EXPECT_EQ(shown("from"), "0,-6,2");
+  EXPECT_EQ(shown("up"), "0,0.1,1");
+  EXPECT_EQ(shown("view"), "picture");
+  EXPECT_EQ(shown("exposure"), "0");
+  EXPECT_EQ(shown("background"), "0.25,0.5,0.75");
+  EXPECT_EQ(shown("size"), "160x120");
+  EXPECT_EQ(shown("samples"), "1");
+  EXPECT_EQ(shown("integrator"), "classic");
+  EXPECT_EQ(shown_value(option_of("integrator"), figure, facts), "ambient");
+  EXPECT_EQ(shown("soft-shadows"), "false");
+  (void)state.toggle(Command::antialiasing);
+  EXPECT_EQ(shown("samples"), "1024");
+  EXPECT_EQ(shown("aa"), "samples");
+  state.options.light_size = 0.25f, state.options.accel.grid_factor = 2;
+  EXPECT_EQ(shown("light-size"), "0.25");
+  EXPECT_EQ(shown("grid-factor"), "2");
+  auto picture = std::make_shared<SessionPicture>();
+  auto baked = std::make_shared<BakedScene>();
+  baked->info.resolution = {3, 4, 5};
+  picture->baked = baked, facts.picture = picture;
+  EXPECT_EQ(shown("grid-resolution"), "3x4x5");
+  state = ViewState("many", state_with(33), {});
+  EXPECT_EQ(shown("grid-factor"), "0.3");
+}
+
+TEST(Panel, LabelsOfTheCombinationsAreWhole) {
+  CostFacts facts;
+  facts.table.emplace();
+  for (const Combination& c : combinations({}))
+    facts.table->rows.push_back({.combination = c, .runs_s = {123.4}, .rays = 1000});
+  for (const bool projector : {false, true}) {
+    Screen screen([] {}, {800, 800});
+    apply_look({.projector = projector}, 1);
+    unsigned char* pixels = nullptr;
+    int width = 0, height = 0;
+    ImGui::GetIO().Fonts->GetTexDataAsRGBA32(&pixels, &width, &height);
+    for (int frame = 0; frame < 4; ++frame) {
+      ImGui::NewFrame();
+      begin_panel("panel", {0, 0, kPanelEms * em(), 800});
+      (void)draw_table(facts);
+      const ImGuiTable* const table = ImGui::TableFindByID(ImGui::GetID("sixteen"));
+      ASSERT_TRUE(table);
+      for (const BenchmarkRow& row : facts.table->rows) {
+        const std::string label = short_label(row.combination);
+        const float room = table->Columns[0].WidthGiven;
+        EXPECT_TRUE(frame < 3 || ImGui::CalcTextSize(label.c_str()).x <= room) << label;
+      }
+      ImGui::End();
+      ImGui::Render();
+    }
+  }
 }
 
 TEST(Panel, SlidersOfRoughnessSwitchTheirEffects) {

@@ -60,6 +60,18 @@ TEST_F(SceneFiles, AreDetectedByContent) {
       }
 }
 
+TEST_F(SceneFiles, AreListedBySuffix) {
+  for (const char* name : {"a.nff", "A.PDB", "a.cif.gz", "b/a.obj", "a.xyz", "a.ply", "a.glb"})
+    EXPECT_TRUE(has_scene_suffix(name)) << name;
+  for (const char* name : {"CMakeLists.txt", "packages.txt", "a.tar.gz", "a.gz", "a", "nff", ".nff",
+                           "a.png", "a.mtl", ""})
+    EXPECT_FALSE(has_scene_suffix(name)) << name;
+  // All that can be read are listed.
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(RAIO_SOURCE_DIR) + "/scenes"))
+    EXPECT_TRUE(entry.is_directory() || has_scene_suffix(entry.path())) << entry.path();
+}
+
 TEST_F(SceneFiles, OfOtherFormatsAreIdentified) {
   struct Other {
     std::string_view name, bytes, kind;

@@ -5,11 +5,13 @@
 
 #include <filesystem>
 #include <map>
+#include <ranges>
 #include <regex>
 #include <set>
 
 #include "integrate/camera.h"
 #include "io/file.h"
+#include "io/scene_file.h"
 #include "view/bars.h"
 #include "view/comparison.h"
 #include "view/costs_panel.h"
@@ -393,10 +395,31 @@ TEST(Layout, ToolsThatDoNotFitAreLeftToOneMore) {
   EXPECT_EQ(tools_that_fit({}, 20, 30), 0u);
 }
 
+TEST(State, TheSplitViewComparesAnEffectOfTheCommandLine) {
+  const auto compared = [](void (*give)(RenderOptions&)) {
+    RenderOptions options;
+    give(options);
+    return ViewState("some.nff", scene(), options).split_effect;
+  };
+  EXPECT_EQ(compared([](RenderOptions& o) { o.dof = true; }), Command::depth_of_field);
+  EXPECT_EQ(compared([](RenderOptions& o) { o.dof = false; }), Command::antialiasing) << "off";
+  EXPECT_EQ(compared([](RenderOptions& o) { o.soft_shadows = true, o.aa = 3; }),
+            Command::soft_shadows);
+  EXPECT_EQ(compared([](RenderOptions& o) { o.gloss = 0.2f; }), Command::gloss);
+  EXPECT_EQ(compared([](RenderOptions&) {}), Command::antialiasing);
+}
+
 TEST(Help, FindsAllWordsInAnyCase) {
   EXPECT_EQ(help_lines("").size(),
-            size_t(std::ranges::count_if(key_table(), [](auto& k) { return *k.name != 0; })) +
+            size_t(std::ranges::count_if(key_table(), [](auto& k) { return *k.about != 0; })) +
                 hand_table().size());
+  // Each key is in a line, also a second one of its command.
+  std::set<std::string> keys;
+  for (const HelpLine& line : help_lines(""))
+    for (const auto key : std::views::split(line.keys, std::string_view(", ")))
+      keys.emplace(key.begin(), key.end());
+  for (const KeySpec& key : key_table()) EXPECT_TRUE(keys.contains(key.name)) << key.name;
+  EXPECT_EQ(help_lines("redoes")[0].keys, "Ctrl+Y, Ctrl+Shift+Z");
   const auto found = help_lines("SHADOWS soft");
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].keys, "s");
@@ -457,7 +480,7 @@ TEST(Texts, AllAreInPortuguese) {
   }
   std::set<std::string> texts;
   for (const KeySpec& key : key_table())
-    if (*key.name) texts.insert({key.help, key.about});
+    if (*key.about) texts.insert({key.help, key.about});
   for (const HandSpec& hand : hand_table()) texts.insert({hand.name, hand.help});
   const std::regex literal(R"re("((?:[^"\\]|\\.)*)")re");
   for (const auto& entry :

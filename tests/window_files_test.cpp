@@ -112,9 +112,21 @@ TEST_F(WindowFilesTest, ABrokenEditKeepsTheSceneAndAValidOneReplacesIt) {
   EXPECT_NE(window->picture(from)->sum, before->sum);
 }
 
+TEST_F(WindowFilesTest, ADeletedFileIsReportedAndReadWhenItReturns) {
+  const auto window = open();
+  size_t from = window->mark();
+  std::filesystem::remove(file("scene.nff"));
+  ASSERT_TRUE(window->wait_for("scene.nff: error: the file is gone; ", from)) << window->log();
+  from = window->mark();
+  put(file("scene.nff"), kWindowScene);
+  ASSERT_TRUE(window->wait_for("opened scene.nff", from)) << window->log();
+  EXPECT_TRUE(window->picture(from));
+}
+
 TEST_F(WindowFilesTest, OpensASceneByItsNameAndRemembersIt) {
   const auto window = open_without_scene();
   EXPECT_EQ(window->title(), "Raio");
+  EXPECT_TRUE(window->wait_for(" pictured: .*/scenes/course/solids.nff", 0)) << window->log();
   size_t from = window->mark();
   window->key(XK_o, Held::ctrl);
   ASSERT_TRUE(window->wait_for(" types", from)) << window->log();
@@ -135,10 +147,8 @@ TEST_F(WindowFilesTest, EscapeClosesTheDialogAndNotTheWindow) {
   const auto window = open();
   window->key(XK_o, Held::ctrl);
   ASSERT_TRUE(window->wait_for(" types", 0)) << window->log();
-  window->key(XK_Escape);  // leaves the field
-  ASSERT_TRUE(window->wait_for(" typed", 0)) << window->log();
   window->key(XK_Escape);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  ASSERT_TRUE(window->wait_for(" typed", 0)) << window->log();
   const size_t from = window->mark();
   window->key(XK_r);
   ASSERT_TRUE(window->wait_for("reflection off", from)) << window->log();

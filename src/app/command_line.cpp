@@ -23,6 +23,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/version.h"
+#include "app/window_keys.h"
 #include "base/executor.h"
 #include "base/memory.h"
 #include "io/generate/generate.h"
@@ -246,7 +247,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
 
 void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, int& status) {
   auto* sub = app.add_subcommand("view", "Explore a scene in a window");
-  sub->footer(examples({"raio view balls.nff --soft-shadows"}));
+  sub->footer(examples({"raio view balls.nff --soft-shadows"}) + "\n" + list_of_keys());
   add_file(*sub, "scene", view.scene,
            "Scene file, of any format that raio render reads (default: choose in the window)",
            "SCENE");

@@ -34,6 +34,11 @@ inline float ambient_factor(const Scene& scene, const RenderSettings& s) {
   return any_color || s.shading != ShadingModel::nff ? 0 : 0.1f;
 }
 
+/// The side of a light of soft shadows without a size of its own, for a camera that looks at `at`.
+inline float usual_light_size(const Light& light, Vec3f at) {
+  return 0.1f * length(at - light.position);
+}
+
 double classic_bound(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace raio::core

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "integrate/classic.h"
 #include "scene/enclosing.h"
 
 namespace raio::core {
@@ -24,7 +25,7 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       const Vec3f to_at = r.camera.at - l.position;
       const float distance = length(to_at);
       const Frame<float> frame(distance > 0 ? to_at / distance : Vec3f(0, 0, 1));
-      const float size = r.light_size > 0 ? r.light_size : 0.1f * distance;
+      const float size = r.light_size > 0 ? r.light_size : usual_light_size(l, r.camera.at);
       e.edge_u = frame.u * size, e.edge_v = frame.v * size;
       if (l.extent && !(r.light_size > 0))
         e.edge_u = {l.extent->width, 0, 0}, e.edge_v = {0, 0, l.extent->depth};

@@ -231,4 +231,12 @@ std::vector<std::string_view> scene_suffixes() {
   return suffixes;
 }
 
+bool has_scene_suffix(const std::filesystem::path& path) {
+  constexpr std::string_view kCompressed = ".gz";
+  std::string suffix = lower_suffix(path);
+  if (suffix == kCompressed) suffix = lower_suffix(path.stem());
+  if (suffix.empty() || suffix == kCompressed) return false;
+  return std::ranges::count(scene_suffixes(), std::string_view(suffix).substr(1)) > 0;
+}
+
 }  // namespace raio::core

@@ -61,8 +61,12 @@ struct FileKind {
 /// if it may be NFF, P3F or .raio.
 FileKind file_kind(std::string_view start, std::string_view suffix, size_t size);
 
-/// Suffixes of scene and data files, without the dot, for file dialogs.
+/// Suffixes of scene and data files, without the dot.
 std::vector<std::string_view> scene_suffixes();
+
+/// Whether the name ends with one of them, compressed or not ("a.PDB", "a.pdb.gz"), for lists of
+/// files: read_scene() reads more, by their content.
+bool has_scene_suffix(const std::filesystem::path& path);
 
 /// Formats for writing scenes.
 enum class SceneFormat { nff, raio, pov, ply, gltf };

@@ -130,8 +130,15 @@ void AppState::show_focus() { focus_until_ = facts_.now + kFocusSeconds; }
 
 void AppState::on(const event::KeyPressed& e) {
   if (gestures.is_looking() && facts_.walking.any()) return;
+  const KeySpec* const spec = find_key(e.key, e.held);
+  if (!spec) return;
+  // Behind a dialog nothing changes; Escape leaves a field before it ends anything but dialogs.
+  const bool is_escape = spec->command == Command::quit && e.key != 'Q';
+  if (facts_.has_dialog && !is_escape && spec->command != Command::help) return;
+  const bool closes = facts_.has_dialog || facts_.inspects || facts_.picks;
+  if (facts_.types && is_escape && !closes) return;
   settle();  // the keys of one poll are separate steps of the history
-  if (const KeySpec* spec = find_key(e.key, e.held)) obey(*spec);
+  obey(*spec);
 }
 
 void AppState::on(const event::MouseButton& e) {

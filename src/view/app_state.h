@@ -25,6 +25,7 @@ struct Facts {
   bool sessions_idle = false;                      // no session is busy
   bool control_held = false;                       // of the panel or the bars
   bool has_dialog = false, over_controls = false;  // the cursor
+  bool types = false;                              // into a field
   bool inspects = false, picks = false;            // the inspector is open; waits for a click
   bool full_screen = false, hidden = false;
 };

@@ -5,7 +5,6 @@
 
 #include "view/help.h"
 #include "view/texts.h"
-#include "view/welcome.h"
 
 namespace raio::core::view {
 
@@ -21,7 +20,7 @@ bool Controls::close() {
 ControlResult Controls::draw(ViewState& state, const Layout& layout, const ControlFacts& facts) {
   ControlResult result;
   if (state.path.empty()) {
-    const WelcomeResult welcome = draw_welcome(layout.picture, facts.recent, samples_);
+    const WelcomeResult welcome = draw_welcome(layout.picture, facts.welcome);
     result.open = welcome.open;
     if (welcome.asks) result.pressed.push_back(&key_of(Command::open));
   } else if (state.panel && !facts.has_inspector) {

@@ -14,6 +14,7 @@
 #include "view/layout.h"
 #include "view/panel.h"
 #include "view/state.h"
+#include "view/welcome.h"
 
 namespace raio::core::view {
 
@@ -21,7 +22,7 @@ struct ControlFacts {
   PanelFacts panel;
   ToolFacts tools;
   StatusFacts status;
-  std::vector<std::string> recent;
+  WelcomeFacts welcome;  // without a scene
   std::string read_out;  // what is under the cursor
   std::string message;
   bool is_error = false;
@@ -35,11 +36,9 @@ struct ControlResult : PanelResult {
 
 class Controls {
  public:
-  explicit Controls(std::vector<std::string> samples) : samples_(std::move(samples)) {}
-
   FileDialog files;
 
-  void switch_help() { shows_help_ = !shows_help_; }
+  void switch_help() { shows_help_ = !shows_help_, sought_.clear(); }
   /// Whether something may cover the picture.
   bool has_dialog() const {
     return shows_help_ || files.is_open() ||
@@ -54,7 +53,6 @@ class Controls {
  private:
   bool shows_help_ = false;
   std::string sought_;  // in the help
-  std::vector<std::string> samples_;
 };
 
 }  // namespace raio::core::view

@@ -198,8 +198,10 @@ bool draw_table(const CostFacts& facts) {
                      tr("m stops")));
   else
     pressed = ImGui::Button(tr("Measure (m)"));
-  if (!facts.table || !ImGui::BeginTable("sixteen", 4, ImGuiTableFlags_RowBg)) return pressed;
-  for (const char* name : {"", "s", tr("Mrays/s"), tr("cost")}) ImGui::TableSetupColumn(name);
+  constexpr auto kFlags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit;
+  if (!facts.table || !ImGui::BeginTable("sixteen", 4, kFlags)) return pressed;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+  for (const char* name : {"s", tr("Mrays/s"), tr("cost")}) ImGui::TableSetupColumn(name);
   ImGui::TableHeadersRow();
   for (const BenchmarkRow& row : facts.table->rows) {
     const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };

@@ -13,19 +13,9 @@
 #include "view/theme.h"
 
 namespace raio::core::view {
-namespace {
-
 namespace fs = std::filesystem;
 
-bool may_be_scene(const fs::path& file) {
-  const std::string suffix = file.extension().string();
-  if (suffix.empty()) return false;
-  return suffix == ".txt" || std::ranges::count(scene_suffixes(), suffix.substr(1)) > 0;
-}
-
-}  // namespace
-
-std::vector<std::string> entries_of(const fs::path& folder) {
+std::vector<std::string> entries_of(const fs::path& folder, bool all_files) {
   std::vector<std::string> folders, files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -33,7 +23,7 @@ std::vector<std::string> entries_of(const fs::path& folder) {
     if (name.starts_with('.')) continue;
     if (entry.is_directory(error))
       folders.push_back(name + "/");
-    else if (may_be_scene(entry.path()))
+    else if (all_files || has_scene_suffix(entry.path()))
       files.push_back(name);
   }
   std::ranges::sort(folders);
@@ -51,7 +41,7 @@ void FileDialog::enter(const fs::path& folder) {
   std::error_code error;
   const fs::path whole = fs::weakly_canonical(fs::absolute(folder, error), error);
   folder_ = error ? folder : whole;
-  entries_ = entries_of(folder_);
+  entries_ = entries_of(folder_, all_files_);
 }
 
 // Enters a folder; a file ends the dialog.
@@ -87,7 +77,7 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
   faint_text(folder_.string());
-  const float rows = 2 * ImGui::GetFrameHeightWithSpacing() + ImGui::GetTextLineHeightWithSpacing();
+  const float rows = 3 * ImGui::GetFrameHeightWithSpacing();
   ImGui::BeginChild("entries", {0, -rows}, true);
   show_letters(name_);
   for (const std::string& entry : entries_) {
@@ -99,7 +89,7 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
         wanted = entry;
     }
   }
-  if (entries_.empty()) faint_text(tr("no scenes here"));
+  if (entries_.empty()) faint_text(all_files_ ? tr("nothing here") : tr("no scenes here"));
   ImGui::EndChild();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
@@ -108,7 +98,10 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
     wanted = name_;
   std::error_code ignored;
   const bool exists = !name_.empty() && fs::is_regular_file(folder_ / name_, ignored);
-  faint_text(saves && exists ? tr("this file exists and will be replaced") : " ");
+  if (saves)
+    faint_text(exists ? tr("this file exists and will be replaced") : " ");
+  else if (ImGui::Checkbox(tr("all files"), &all_files_))
+    enter(folder_);
   const char* const action = !saves ? tr("Open") : exists ? tr("Replace") : tr("Save");
   if (ImGui::Button(fmt::format("{}###do", action).c_str(), {7 * em(), 0})) wanted = name_;
   ImGui::SameLine();

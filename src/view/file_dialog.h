@@ -10,9 +10,9 @@
 
 namespace raio::core::view {
 
-/// The subfolders (first, with a trailing "/") and scene files of a folder, by name, without hidden
-/// ones.
-std::vector<std::string> entries_of(const std::filesystem::path& folder);
+/// The subfolders (first, with a trailing "/") and files of a folder, by name, without hidden ones:
+/// scenes (has_scene_suffix), or all files.
+std::vector<std::string> entries_of(const std::filesystem::path& folder, bool all_files = false);
 
 class FileDialog {
  public:
@@ -36,6 +36,7 @@ class FileDialog {
   std::filesystem::path folder_;
   std::vector<std::string> entries_;
   std::string name_;
+  bool all_files_ = false;
 };
 
 }  // namespace raio::core::view

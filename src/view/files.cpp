@@ -10,6 +10,7 @@
 #include "io/scene_file.h"
 #include "render/picture.h"
 #include "render/render.h"
+#include "view/texts.h"
 
 namespace raio::core::view {
 namespace {
@@ -72,8 +73,13 @@ std::optional<SceneFile::Read> SceneFile::poll(int threads) {
   next_look_ = now + kLook;
   // A file that still changes, or is missing for a moment, is being written.
   const Stamp before = std::exchange(seen_, stamp(path_));
-  if (seen_ != before || seen_ == read_ || seen_ == Stamp()) return std::nullopt;
+  if (seen_ != before || seen_ == read_) return std::nullopt;
   read_ = seen_;
+  if (seen_ == Stamp()) {
+    Diagnostic gone;
+    gone.file = path_, gone.message = tr("the file is gone; the picture shows its last version");
+    return Read{path_, std::unexpected(Diagnostics{gone}), {}};
+  }
   start(path_, threads);
   return std::nullopt;
 }

@@ -21,7 +21,8 @@
 
 namespace raio::core::view {
 
-/// Rereads a scene's file when it changes, and reads other files on request.
+/// Rereads a scene's file when it changes or returns, reports once that it is gone, and reads other
+/// files on request.
 class SceneFile {
  public:
   struct Read {

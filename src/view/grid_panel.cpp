@@ -10,6 +10,7 @@
 
 #include "app/terminal.h"
 #include "base/exact_math.h"
+#include "view/options_panel.h"
 #include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -132,10 +133,11 @@ GridPanelResult draw_grid(ViewState& state, const CostFacts& facts) {
   GridPanelResult result;
   const bool is_grid = state.options.accel.kind == AccelKind::grid;
   float factor = state.options.accel.grid_factor;
+  const std::string in_use = shown_value(option_of("grid-factor"), state, facts);
   ImGui::BeginDisabled(!is_grid);
   ImGui::PushItemWidth(9 * em());
   if (ImGui::SliderFloat(tr("cells per side: factor"), &factor, kMinGridFactor, kMaxGridFactor,
-                         factor > 0 ? "%.3g" : tr("best"),
+                         factor > 0 ? "%.3g" : in_use.c_str(),
                          ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
     state.options.accel.grid_factor = factor, state.options.accel.grid_resolution = {};
     result.changed = true;

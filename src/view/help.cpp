@@ -49,8 +49,13 @@ void draw_lines(const std::vector<HelpLine>& lines, bool mouse) {
 
 std::vector<HelpLine> help_lines(const std::string& sought) {
   std::vector<HelpLine> lines;
-  for (const KeySpec& key : key_table())
-    if (*key.name) lines.push_back({tr(key.name), tr(key.about), false});
+  for (const KeySpec& key : key_table()) {
+    if (!*key.about) continue;
+    std::string names;
+    for (const char* name : app::key_names(key))
+      names += (names.empty() ? "" : ", ") + std::string(tr(name));
+    lines.push_back({names, tr(key.about), false});
+  }
   for (const HandSpec& hand : hand_table()) lines.push_back({tr(hand.name), tr(hand.help), true});
   std::erase_if(lines, [&](const HelpLine& line) { return !has_all_words(line, sought); });
   return lines;
@@ -71,9 +76,6 @@ bool draw_help(const Layout& layout, std::string& sought) {
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   ImGui::InputTextWithHint("##sought", tr("Search"), &sought);
-  // Escape in the field first clears it, as usual in ImGui, then closes.
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape)) && !ImGui::IsItemDeactivated())
-    open = false;
   ImGui::BeginChild("lines");
   const auto lines = help_lines(sought);
   if (lines.empty()) faint_text(tr("Nothing matches all of these words."));

@@ -20,11 +20,6 @@ const char* variable(const char* name) {
   return value && *value ? value : nullptr;
 }
 
-bool is_scene(const fs::path& path) {
-  const std::string suffix = path.extension().string();
-  return !suffix.empty() && std::ranges::count(scene_suffixes(), suffix.substr(1)) > 0;
-}
-
 }  // namespace
 
 void Memory::opened(const std::string& path) {
@@ -87,18 +82,22 @@ void MemoryKeeper::looks(const Theme& look, Language now) {
   remember(memory_, memory_file());
 }
 
-std::vector<std::string> sample_scenes() {
-  std::vector<std::string> scenes;
+SampleScenes sample_scenes() {
+  const auto scenes_in = [](const fs::path& folder) {
+    std::vector<std::string> scenes;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error))
+      if (has_scene_suffix(entry.path())) scenes.push_back(entry.path().string());
+    std::ranges::sort(scenes);
+    return scenes;
+  };
   std::error_code error;
   fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (int up = 0; up < 4 && !folder.empty() && scenes.empty(); ++up) {
+  for (int up = 0; up < 4 && !folder.empty(); ++up, folder = folder.parent_path())
     for (const fs::path& there : {folder / "scenes", folder / "share/raio/scenes"})
-      for (const auto& entry : fs::directory_iterator(there, error))
-        if (is_scene(entry.path())) scenes.push_back(entry.path().string());
-    folder = folder.parent_path();
-  }
-  std::ranges::sort(scenes);
-  return scenes;
+      if (auto scenes = scenes_in(there); !scenes.empty())
+        return {scenes_in(there / "course"), std::move(scenes)};
+  return {};
 }
 
 }  // namespace raio::core::view

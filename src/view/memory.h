@@ -48,8 +48,11 @@ class MemoryKeeper {
   Language language_;
 };
 
-/// The scenes that come with Raio: in "scenes" of a parent folder of the program, or where they are
-/// installed.
-std::vector<std::string> sample_scenes();
+/// The scenes that come with Raio, in "scenes" of a parent folder of the program, or where they are
+/// installed; those of the course are in a folder there.
+struct SampleScenes {
+  std::vector<std::string> course, others;
+};
+SampleScenes sample_scenes();
 
 }  // namespace raio::core::view

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "view/grid_panel.h"
+#include "view/options_panel.h"
 #include "view/panel_parts.h"
 #include "view/scene_panel.h"
 #include "view/texts.h"
@@ -87,116 +88,6 @@ void draw_head(const ViewState& state, const PanelFacts& facts) {
   ImGui::EndTooltip();
 }
 
-// One row of the table of options. Returns the text of a new value, or nothing.
-std::optional<std::string> draw_option(const RenderOptions& given, const RenderOptions& used,
-                                       const OptionSpec& spec) {
-  const std::string name(spec.name), asked = spec.text(given), in_use = spec.text(used);
-  const char* const label = name.c_str();
-  std::string value = asked.empty() ? in_use : asked;
-  switch (spec.type()) {
-    case OptionType::toggle: {
-      bool on = (spec.value.is_optional ? in_use : asked) == "true";
-      if (!ImGui::Checkbox(label, &on)) return std::nullopt;
-      return on ? "true" : "false";
-    }
-    case OptionType::words: {
-      std::optional<std::string> chosen;
-      if (value.empty()) value = spec.words.front();
-      if (!ImGui::BeginCombo(label, value.c_str())) return chosen;
-      for (const std::string_view word : spec.words)
-        if (ImGui::Selectable(std::string(word).c_str(), word == value)) chosen = word;
-      ImGui::EndCombo();
-      return chosen;
-    }
-    case OptionType::integer: {
-      int64_t number = parse_number<int64_t>(in_use).value_or(0);
-      constexpr int64_t kStep = 1, kLargeStep = 10;
-      if (!ImGui::InputScalar(label, ImGuiDataType_S64, &number, &kStep, &kLargeStep))
-        return std::nullopt;
-      return fmt::format("{}", std::clamp(number, int64_t(spec.least), int64_t(spec.most)));
-    }
-    case OptionType::number:
-      if (!spec.value.is_optional) {
-        float number = parse_number<float>(in_use).value_or(0);
-        // If the range includes negative values, in even steps from zero.
-        const float speed = spec.least < 0 ? 0.01f : std::max(0.005f * std::abs(number), 1e-6f);
-        const auto [least, most] = std::pair(float(spec.least), float(spec.most));
-        const char* const format = number == 0 && least > 0 ? tr("best") : "%.6g";
-        if (!ImGui::DragFloat(label, &number, speed, least, most, format)) return std::nullopt;
-        return fmt::format("{}", std::clamp(number, least, most));
-      }
-      [[fallthrough]];  // an empty field is open
-    default:
-      if (!ImGui::InputText(label, &value, ImGuiInputTextFlags_EnterReturnsTrue))
-        return std::nullopt;
-      return value;
-  }
-}
-
-// The resolved options, including those of disabled effects: no field shows 0 for a default.
-RenderOptions used_options(const ViewState& state, RenderOptions options) {
-  const RenderOptions given = options;
-  options.soft_shadows = true, options.dof = true, options.accel.kind = AccelKind::grid;
-  if (options.view == View::samples) options.view = View::picture;
-  const RenderSettings settings = resolve_options(options, *state.scene);
-  RenderOptions used = options_of(settings, *state.scene);
-  used.fov_deg = settings.camera.fov_deg, used.projection = settings.camera.projection;
-  used.dof = resolve_options(given, *state.scene).dof;
-  used.soft_shadows = given.soft_shadows, used.accel.kind = given.accel.kind,
-  used.view = given.view;
-  used.shading = settings.shading, used.fresnel = settings.fresnel;
-  return used;
-}
-
-void draw_options(ViewState& state, const PanelFacts& facts, PanelResult& result) {
-  ImGui::PushItemWidth(9 * em());
-  for (const OptionSpec& spec : render_option_table()) {
-    if (!spec.of_window) continue;
-    RenderOptions options = state.options;
-    set_camera(options, state.camera, *state.scene);
-    RenderOptions used = used_options(state, options);
-    used.width = facts.costs.picture_width, used.height = facts.costs.picture_height;
-    const auto entered = draw_option(options, used, spec);
-    if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
-                                          with_settings(option_help(spec), "--"))
-                                  .c_str());
-    if (!entered) continue;
-    if (const auto set = set_option(options, spec, *entered); !set) {
-      result.problem = set.error().text("--");
-      continue;
-    }
-    if (const auto why = window_conflict(options)) {
-      result.problem = why->text("--");
-      continue;
-    }
-    ViewState next = state;
-    next.options = options;
-    if (const auto why =
-            option_conflict(next.request(used.width, used.height), state.scene.get())) {
-      result.problem = why->text("--");
-      continue;
-    }
-    // It fits the window's camera, which the options store as a position.
-    const Camera camera = options.fit ? fitted_along(*state.scene, state.camera, *options.fit)
-                                      : camera_of(*state.scene, options);
-    if (const auto why = camera_problem(camera); !why.empty()) {
-      result.problem = why;
-      continue;
-    }
-    const bool other_rays = camera.projection != state.camera.projection;
-    if (other_rays)
-      state.set_projection(camera.projection);
-    else
-      state.camera = camera;
-    reset_camera(options);
-    state.options = options;
-    state.follow_focus();
-    result.changed = true;
-  }
-  ImGui::PopItemWidth();
-}
-
 // Which boxes of the structure are drawn over the picture.
 void draw_boxes(ViewState& state, const PanelFacts& facts, PanelResult& result) {
   const KeySpec& key = key_of(Command::boxes);
@@ -268,7 +159,7 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
     if (grid.measures) result.pressed.push_back(&key_of(Command::curve));
   }
   if (open_section("Scene", false)) result.changed |= draw_scene(state);
-  if (open_section("All options", false)) draw_options(state, facts, result);
+  if (open_section("All options", false)) draw_options(state, facts.costs, result);
   if (open_section("Window", false)) draw_window_options(facts, result);
   ImGui::End();
   result.dragging = ImGui::IsAnyItemActive() && ImGui::IsMouseDown(ImGuiMouseButton_Left);

@@ -42,11 +42,22 @@ uint64_t Texture::checksum() const {
   return sum;
 }
 
-void Texture::draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const {
-  if (empty()) return;
+void Texture::bind(bool sharp) const {
   glBindTexture(GL_TEXTURE_2D, name_);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, sharp ? GL_NEAREST : GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, sharp ? GL_NEAREST : GL_LINEAR);
+}
+
+void Texture::draw_round(ImVec2 lo, ImVec2 hi, float radius) const {
+  if (empty()) return;
+  bind(false);
+  ImGui::GetWindowDrawList()->AddImageRounded(id(), lo, hi, {0, 0}, {1, 1}, 0xffffffff, radius,
+                                              ImDrawFlags_RoundCornersTop);
+}
+
+void Texture::draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const {
+  if (empty()) return;
+  bind(sharp);
   const float width = hi.x - lo.x;
   ImGui::GetBackgroundDrawList()->AddImage(id(), {lo.x + width * left, lo.y},
                                            {lo.x + width * right, hi.y}, {left, 0}, {right, 1},

@@ -30,8 +30,12 @@ class Texture {
   /// Draws the part of the picture between `left` and `right` (0 to 1); `sharp`: pixel by pixel,
   /// without smoothing.
   void draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, bool sharp) const;
+  /// Draws all of it in the current control, smoothed, with round corners at the top.
+  void draw_round(ImVec2 lo, ImVec2 hi, float radius) const;
 
  private:
+  void bind(bool sharp) const;
+
   unsigned name_ = 0;
   int width_ = 0, height_ = 0;
   std::vector<uint8_t> bytes_;

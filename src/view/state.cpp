@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "base/exact_math.h"
@@ -20,6 +21,15 @@ namespace {
 
 constexpr std::array kStructures = {AccelKind::bvh, AccelKind::grid, AccelKind::embree,
                                     AccelKind::none};
+
+// Options that switch an effect on, with its command.
+constexpr auto kOptionsOfEffects =
+    std::to_array<std::pair<std::string_view, Command>>({{"aa", Command::antialiasing},
+                                                         {"soft-shadows", Command::soft_shadows},
+                                                         {"dof", Command::depth_of_field},
+                                                         {"gloss", Command::gloss},
+                                                         {"translucency", Command::translucency},
+                                                         {"shutter", Command::motion}});
 
 bool same_camera(const Camera& a, const Camera& b) {
   return a.from == b.from && a.at == b.at && a.up == b.up && a.fov_deg == b.fov_deg &&
@@ -44,6 +54,8 @@ ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const Render
   options.accel.kind = plain.accel.kind == AccelKind::automatic ? AccelKind::bvh : plain.accel.kind;
   if (o.aa == 0 && o.samples == 0 && o.sampler != SamplerKind::jitter && plain.aa == 1)
     options.aa = 1;
+  for (const auto& [name, effect] : kOptionsOfEffects)
+    if (option_of(name).is_given(o) && is_on(effect)) split_effect = effect;
 }
 
 void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scene) {

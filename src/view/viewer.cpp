@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
 #include "app/output.h"
 #include "render/provenance.h"
 #include "render/render.h"
+#include "view/texts.h"
 
 namespace raio::core::view {
 namespace {
@@ -35,7 +37,15 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
   log("request: 1");
   handle(size());
   log(fmt::format("place: {},{}", app_.stage.lo.x, app_.stage.lo.y));
-  if (!app_.view.path.empty()) keeper_.opened(app_.view.path);
+  if (!app_.view.path.empty()) {
+    keeper_.opened(app_.view.path);
+    return;
+  }
+  std::vector<std::string> paths = keeper_.memory().recent;
+  for (const auto& more : {samples_.course, samples_.others})
+    for (const std::string& path : more)
+      if (std::ranges::count(paths, path) == 0) paths.push_back(path);
+  thumbnails_.emplace(std::move(paths), Window::wake);
 }
 
 void Viewer::run() {
@@ -57,12 +67,13 @@ event::Resized Viewer::size() const {
 Facts Viewer::facts() const {
   Facts facts;
   facts.now = Window::seconds();
-  if (!Window::is_typing())
+  facts.has_dialog = controls_.has_dialog();
+  facts.types = Window::is_typing();
+  if (!facts.types && !facts.has_dialog)
     facts.walking =
         walking_steps([this](int key) { return window_.is_held(key); }, app_.gestures.is_looking());
   facts.sessions_idle = pictures_.are_idle();
   facts.control_held = Window::is_busy();
-  facts.has_dialog = controls_.has_dialog();
   facts.over_controls = Window::is_over_controls();
   facts.inspects = inspector_.is_open(), facts.picks = inspector_.is_picking();
   facts.full_screen = window_.is_full_screen(), facts.hidden = window_.is_hidden();
@@ -138,6 +149,7 @@ void Viewer::take_results() {
   if (const auto said = measuring_.poll()) handle(event::Measured{*said, measuring_.costs()});
   take_picture(pictures_.main);
   take_picture(pictures_.other);
+  take_thumbnails();
   // Both are asked: each forgets its news.
   const bool advanced = inspector_.advance(Window::seconds());
   if (measuring_.has_news() || advanced) handle(event::Refresh{1});
@@ -145,6 +157,23 @@ void Viewer::take_results() {
 
 void Viewer::take_picture(Side& side) {
   if (side.take()) handle(event::PictureTaken{side.picture, &side == &pictures_.main});
+}
+
+void Viewer::take_thumbnails() {
+  if (!thumbnails_) return;
+  if (!app_.view.path.empty()) return thumbnails_.reset(), cards_.clear();
+  for (Thumbnails::Made& made : thumbnails_->take()) {
+    SceneCard& card = cards_[made.path];
+    log((made.thumbnail ? "pictured: " : "not pictured: ") + made.path);
+    if (made.thumbnail) {
+      card.texture.set(made.thumbnail->image);
+      card.size = number_of(made.thumbnail->primitives, "primitive", "primitives");
+      card.about = made.thumbnail->about;
+    } else {
+      card.about = made.thumbnail.error();
+    }
+    handle(event::Refresh{1});
+  }
 }
 
 void Viewer::measure(Measuring::Work work) {

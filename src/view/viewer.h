@@ -2,6 +2,7 @@
 // the files, the measurements and the window itself. It decides nothing (app_state.h).
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "view/memory.h"
 #include "view/pictures.h"
 #include "view/structure_overlay.h"
+#include "view/thumbnails.h"
 #include "view/window.h"
 
 namespace raio::core::view {
@@ -36,6 +38,7 @@ class Viewer {
   void step();
   void take_results();
   void take_picture(Side& side);
+  void take_thumbnails();
   void measure(Measuring::Work work);
   void ask_for_file(FileDialog::Purpose purpose);
   void write_picture(const SessionPicture& picture, const std::string& suffix);
@@ -52,11 +55,14 @@ class Viewer {
   const bool logs_;
   AppState app_;
   Pictures pictures_;
-  Controls controls_{sample_scenes()};
+  Controls controls_;
   StructureOverlay overlay_;
   Inspector inspector_{[] { Window::wake(); }};
   Measuring measuring_{[] { Window::wake(); }};
   MemoryKeeper keeper_;
+  const SampleScenes samples_ = sample_scenes();
+  std::map<std::string, SceneCard> cards_;  // of the start page
+  std::optional<Thumbnails> thumbnails_;    // while it is open
   SceneFile file_;
   PictureWriter writer_;
   SceneWriter scene_writer_;

@@ -97,7 +97,7 @@ ControlFacts Viewer::control_facts(const std::string& under) const {
                   .measuring = app_.measuring};
   facts.has_inspector = inspector_.is_open();
   facts.read_out = under;
-  facts.recent = keeper_.memory().recent;
+  if (app_.view.path.empty()) facts.welcome = {keeper_.memory().recent, samples_, &cards_};
   // An error in the file stays until it is fixed.
   const bool stays = app_.message.text().empty() && !app_.errors.empty();
   facts.message = stays ? app_.errors.front().text() : app_.message.text();

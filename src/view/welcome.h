@@ -1,20 +1,35 @@
-// The screen without a scene: recent ones, and those that come with Raio.
+// The screen without a scene: pictures of recent scenes, and of those that come with Raio.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "view/layout.h"
+#include "view/memory.h"
+#include "view/stage.h"
 
 namespace raio::core::view {
+
+/// The picture of a file, and two texts below and beside it.
+struct SceneCard {
+  Texture texture;    // empty: it has none
+  std::string size;   // "91 primitives"
+  std::string about;  // a sentence, or why there is no picture
+};
+
+struct WelcomeFacts {
+  std::vector<std::string> recent;
+  SampleScenes samples;
+  const std::map<std::string, SceneCard>* cards = nullptr;  // by path, those made so far
+};
 
 struct WelcomeResult {
   std::optional<std::string> open;  // a scene was selected
   bool asks = false;                // for the dialog
 };
 
-WelcomeResult draw_welcome(const Rect& where, const std::vector<std::string>& recent,
-                           const std::vector<std::string>& samples);
+WelcomeResult draw_welcome(const Rect& where, const WelcomeFacts& facts);
 
 }  // namespace raio::core::view

@@ -112,8 +112,9 @@ void Window::set_callbacks() {
     tell(w, event::Refresh{});
     if (action != GLFW_PRESS) return;
     if (key >= 0) of(w).typed_.push_back(key);
-    const bool is_function = key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25;
-    if (!is_typing() || is_function)
+    const bool is_never_text =
+        key == GLFW_KEY_ESCAPE || (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25);
+    if (!is_typing() || is_never_text)
       tell(w, event::KeyPressed{key,
                                 {.shift = bool(mods & GLFW_MOD_SHIFT),
                                  .ctrl = bool(mods & GLFW_MOD_CONTROL),

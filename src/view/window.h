@@ -26,7 +26,8 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Turns input into events. A key typed into a field only gives a Refresh.
+  /// Turns input into events. A key typed into a field only gives a Refresh, except Escape and
+  /// function keys.
   void listen(std::function<void(const Event&)> listener) { listener_ = std::move(listener); }
 
   /// Handles events; waits for them up to this many seconds.

@@ -135,9 +135,7 @@ class GridBuilder : GridCells {
     pad_ = hit_error(near);
 
     const bool forced = options.grid_resolution[0] > 0;
-    double factor = options.grid_factor > 0 ? options.grid_factor
-                    : rest_.size() <= kFew  ? 0
-                                            : kFactor;
+    double factor = options.grid_factor > 0 ? options.grid_factor : usual_grid_factor(rest_.size());
     lattice = Lattice(box, forced ? options.grid_resolution
                                   : report_resolution(box.size(), double(rest_.size()), factor));
     // If many primitives span many cells each, the lists would exceed any memory; cells grow until
@@ -263,6 +261,8 @@ class GridBuilder : GridCells {
 };
 
 }  // namespace
+
+double usual_grid_factor(size_t primitives) { return primitives <= kFew ? 0 : kFactor; }
 
 std::expected<GridCells, std::string> build_grid(const Geometry& geometry,
                                                  const AccelOptions& options) {

@@ -46,6 +46,9 @@ struct Lattice {
   }
 };
 
+/// The resolution of an automatic grid, as AccelOptions::grid_factor; 0: one cell.
+double usual_grid_factor(size_t primitives);
+
 /// The error of a hit computed in floats: a few roundings of the largest number involved, of the
 /// ray's origin or of the scene.
 constexpr double hit_error(double largest) {

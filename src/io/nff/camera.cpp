@@ -27,9 +27,9 @@ struct CameraText {
 };
 
 bool read_piece(Parser& p, CameraWord word, CameraText& v) {
-  static constexpr std::string_view kFrom[] = {"x of from", "y of from", "z of from"};
-  static constexpr std::string_view kAt[] = {"x of at", "y of at", "z of at"};
-  static constexpr std::string_view kUp[] = {"x of up", "y of up", "z of up"};
+  static constexpr std::string_view kFrom[] = {"x in \"from\"", "y in \"from\"", "z in \"from\""};
+  static constexpr std::string_view kAt[] = {"x in \"at\"", "y in \"at\"", "z in \"at\""};
+  static constexpr std::string_view kUp[] = {"x in \"up\"", "y in \"up\"", "z in \"up\""};
   const auto vector = [&](Vec3d& out, Parser::Names names) {
     double n[3];
     if (!p.numbers(n, names)) return false;

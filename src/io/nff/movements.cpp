@@ -91,8 +91,8 @@ void read_box(Parser& p) {
 }
 
 void read_camera_movement(Parser& p) {
-  static constexpr std::string_view kNames[] = {"x of from",      "y of from",   "z of from",
-                                                "x of at",        "y of at",     "z of at",
+  static constexpr std::string_view kNames[] = {"x in \"from\"",  "y in \"from\"", "z in \"from\"",
+                                                "x in \"at\"",    "y in \"at\"",   "z in \"at\"",
                                                 "the start time", "the end time"};
   double n[8];
   if (!p.numbers(n, kNames)) return;
