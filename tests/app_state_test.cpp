@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <initializer_list>
 
 #include "view_scenes.h"
@@ -16,7 +17,10 @@ using testing::HasSubstr;
 // A window of the size it was opened with, at rest.
 class AppStateTest : public testing::Test {
  protected:
-  AppStateTest() { facts.now = 100; }
+  AppStateTest() {
+    facts.now = 100;
+    (void)tell(event::Resized{.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15});
+  }
 
   static RenderOptions first_options() {
     RenderOptions o;
@@ -43,6 +47,19 @@ class AppStateTest : public testing::Test {
     return tell(event::PictureTaken{std::move(p), true});
   }
   SceneFile::Read read(const std::string& path) const { return {path, view::scene(), {}}; }
+  // The same file, a trajectory, read with other options.
+  static SceneFile::Read reread(const ReadOptions& options) {
+    auto file = std::make_shared<ReadScene>();
+    file->scene = *view::scene();
+    file->frames = 3, file->colors = ColorScale{"speed", "viridis", 0, 1};
+    return {"some.nff", std::shared_ptr<const Scene>(file, &file->scene), {}, options, file, true};
+  }
+  Requests change(std::string_view option, std::string text) {
+    event::ControlsUsed used{app.view, {}};
+    const auto spec = std::ranges::find(read_option_table(), option, &ReadOptionSpec::name);
+    used.did.figure.reads.push_back({&*spec, std::move(text)});
+    return tell(used);
+  }
 
   template <class R>
   static const R* find(const Requests& requests) {
@@ -63,15 +80,11 @@ class AppStateTest : public testing::Test {
     used.did.wants_costs = true;
     (void)tell(used);
     (void)take(picture());
-    facts.sessions_idle = true, facts.now += 10;
+    facts.now += 10;
   }
 
   Facts facts;
-  AppState app{ViewState("some.nff", view::scene(), {}),
-               first_options(),
-               {.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15},
-               {},
-               {}};
+  AppState app{ViewState("some.nff", view::scene(), first_options()), first_options(), {}, {}};
 };
 
 TEST_F(AppStateTest, AKeyChangesTheStateAndRequestsAPicture) {
@@ -181,6 +194,162 @@ TEST_F(AppStateTest, AnotherFileIsANewStartAndANewVersionAStep) {
   EXPECT_EQ(find<request::OpenFile>(tell(event::FileDropped{"third.nff"}))->path, "third.nff");
 }
 
+TEST_F(AppStateTest, OptionsOfReadingAreUsedOnceTheFileIsReadAndUndone) {
+  const auto before = app.view.scene;
+  Requests requests = change("style", "sticks");
+  const auto* asked = find<request::Reread>(requests);
+  ASSERT_TRUE(asked);
+  const ReadOptions sticks = asked->options;
+  EXPECT_EQ(sticks.style, AtomStyle::sticks);
+  EXPECT_TRUE(sticks.hide_solvent) << "other options stay";
+  EXPECT_TRUE(app.is_reading());
+  EXPECT_EQ(app.view.read_options, kForWindow) << "of the scene that is shown";
+  EXPECT_THAT(app.command_line("a.png"), testing::Not(HasSubstr("--style")));
+  // A further change meanwhile does not forget the first.
+  requests = change("frame", "1");
+  EXPECT_EQ(find<request::Reread>(requests)->options.style, AtomStyle::sticks);
+  ReadOptions both = sticks;
+  both.frame = 1;
+  EXPECT_TRUE(find<request::Render>(tell(reread(sticks)))) << "better than nothing";
+  EXPECT_TRUE(app.is_reading());
+  requests = tell(reread(both));
+  ASSERT_TRUE(find<request::Render>(requests));
+  EXPECT_EQ(find<request::Render>(requests)->what.scene, app.view.scene);
+  EXPECT_FALSE(find<request::FollowFile>(requests));
+  EXPECT_FALSE(app.is_reading());
+  EXPECT_EQ(app.view.read_options, both);
+  EXPECT_THAT(app.command_line("a.png"), HasSubstr("some.nff --style sticks --frame 1 "));
+  const auto after = app.view.scene;
+  (void)tick();
+  EXPECT_TRUE(find<request::Render>(press('Z', {.ctrl = true})));
+  EXPECT_EQ(app.view.scene, before);
+  EXPECT_EQ(app.view.read_options, kForWindow);
+  (void)press('Y', {.ctrl = true});
+  EXPECT_EQ(app.view.scene, after);
+  EXPECT_EQ(app.view.read_options, both);
+  EXPECT_THAT(lines(press('C')), testing::Not(HasSubstr("not in the file")));
+  // Undone while it is read: it comes in vain.
+  (void)change("frame", "2");
+  (void)press('Z', {.ctrl = true});
+  both.frame = 2;
+  EXPECT_FALSE(find<request::Render>(tell(reread(both))));
+  EXPECT_EQ(app.view.scene, before);
+}
+
+TEST_F(AppStateTest, RefusedOptionsOfReadingStayInTheirField) {
+  Requests requests = change("hide", "chian A");
+  EXPECT_FALSE(find<request::Reread>(requests));
+  EXPECT_EQ(app.view.form.option, "hide");
+  EXPECT_EQ(app.view.form.typed, "chian A");
+  EXPECT_THAT(app.view.form.problem, HasSubstr("chian"));
+  EXPECT_FALSE(app.is_reading());
+  // The file itself may refuse them.
+  requests = change("hide", "chain Z");
+  EXPECT_TRUE(app.view.form.problem.empty());
+  ASSERT_TRUE(find<request::Reread>(requests));
+  SceneFile::Read refused = reread(find<request::Reread>(requests)->options);
+  Diagnostic why;
+  why.file = "some.nff", why.message = "no chain Z";
+  refused.scene = std::unexpected(Diagnostics{why}), refused.file = nullptr;
+  EXPECT_FALSE(find<request::Render>(tell(refused)));
+  EXPECT_EQ(app.view.form.problem, "no chain Z");
+  EXPECT_TRUE(app.errors.empty()) << "the file is sound";
+  EXPECT_EQ(app.view.read_options, kForWindow);
+  EXPECT_EQ(app.read_options(), kForWindow);
+  // A good text is forgotten.
+  const ReadOptions good = find<request::Reread>(change("hide", "water"))->options;
+  (void)tell(reread(good));
+  EXPECT_TRUE(app.view.form.option.empty());
+}
+
+TEST_F(AppStateTest, AnotherColumnHasItsOwnColours) {
+  (void)change("color-by", "speed");
+  (void)change("colormap", "plasma");
+  ReadOptions o = find<request::Reread>(change("color-range", "0,2"))->options;
+  EXPECT_EQ(o.colormap, "plasma");
+  EXPECT_TRUE(o.color_range);
+  o = find<request::Reread>(change("color-by", "mass"))->options;
+  EXPECT_EQ(o.colormap, "plasma");
+  EXPECT_FALSE(o.color_range);
+  o = find<request::Reread>(change("color-by", "element"))->options;
+  EXPECT_TRUE(o.colormap.empty()) << "it would be refused";
+  o = find<request::Reread>(change("color-by", ""))->options;
+  EXPECT_TRUE(o.color_by.empty());
+}
+
+TEST_F(AppStateTest, FramesPlayAsFastAsTheyAreShownAndAreOneStep) {
+  app.view.file = reread(kForWindow).file;
+  (void)take(picture());
+  (void)tick();
+  const Camera camera = app.view.camera;
+  app.view.form.plays = true, app.view.form.frames_per_s = 10;
+  for (const int frame : {1, 2, 0, 1}) {
+    Requests requests = tick(1);
+    ASSERT_TRUE(find<request::Reread>(requests)) << frame;
+    EXPECT_EQ(find<request::Reread>(requests)->options.frame, frame);
+    EXPECT_FALSE(find<request::Reread>(tick(1))) << "it is being read";
+    EXPECT_TRUE(find<request::Render>(tell(reread(find<request::Reread>(requests)->options))));
+    EXPECT_FALSE(find<request::Reread>(tick(1))) << "it is not yet shown";
+    EXPECT_EQ(app.view.frame(), frame);
+    EXPECT_TRUE(app.view.camera == camera);
+    (void)take(picture());
+  }
+  // Not faster than requested.
+  Requests requests = tick(0.01);
+  ASSERT_TRUE(find<request::Reread>(requests));
+  (void)tell(reread(find<request::Reread>(requests)->options));
+  (void)take(picture());
+  EXPECT_FALSE(find<request::Reread>(tick(0.05)));
+  EXPECT_TRUE(find<request::Reread>(tick(0.06)));
+  app.view.form.plays = false;
+  (void)tell(reread(app.read_options()));
+  (void)tick();
+  (void)press('Z', {.ctrl = true});
+  EXPECT_EQ(app.view.read_options, kForWindow);
+  EXPECT_THAT(lines(press('Z', {.ctrl = true})), HasSubstr("nothing to undo"));
+}
+
+TEST_F(AppStateTest, PicturesForPrintHaveTheirOwnSize) {
+  app.view.form.width_mm = 88, app.view.form.dpi = 300, app.view.form.samples = 16;
+  app.view.options.integrator = IntegratorKind::ambient, app.view.options.aa = 0;
+  event::ControlsUsed used{app.view, {}};
+  used.did.figure.copies_print = true;
+  Requests requests = tell(used);
+  EXPECT_THAT(find<request::CopyText>(requests)->text,
+              testing::AllOf(HasSubstr(" --size 88x66mm --dpi 300 --integrator ambient "),
+                             HasSubstr(" --samples 16 ")));
+  EXPECT_FALSE(find<request::PrintPicture>(requests));
+  used.did.figure = {};
+  used.did.figure.prints = true;
+  requests = tell(used);
+  const auto* print = find<request::PrintPicture>(requests);
+  ASSERT_TRUE(print);
+  EXPECT_FALSE(print->scene) << "that of the file";
+  const RenderSettings s = resolve_options(print->options, *app.view.scene);
+  EXPECT_EQ(s.width, 1039);
+  EXPECT_EQ(s.height, 780);
+  EXPECT_EQ(s.samples, 16);
+  EXPECT_FALSE(find<request::PrintPicture>(tell(used))) << "one at a time";
+  requests = tell(event::Printed{{"some.png", "raio render", {}}});
+  EXPECT_THAT(lines(requests), HasSubstr("saved some.png in "));
+  EXPECT_THAT(lines(requests), HasSubstr("command: raio render"));
+  used.view.form.transparent = true, used.view.options.depth_cue = 0.5f;
+  used.view.scene = edited(app.view.scene, [](Scene& s) { s.materials[0].kd = 0.3f; });
+  requests = tell(used);
+  print = find<request::PrintPicture>(requests);
+  ASSERT_TRUE(print && print->options.background);
+  EXPECT_TRUE(print->options.background->transparent);
+  EXPECT_FALSE(print->options.depth_cue) << "nothing to fade into";
+  EXPECT_EQ(print->scene, app.view.scene) << "not yet in the file";
+  used.did.figure = {};
+  used.did.figure.stops_printing = true;
+  EXPECT_TRUE(find<request::StopPrinting>(tell(used)));
+  requests = tell(event::Printed{{"some.png", "", std::unexpected(stopped_error())}});
+  EXPECT_THAT(lines(requests), HasSubstr("stopped"));
+  EXPECT_FALSE(app.says_error);
+  EXPECT_FALSE(app.is_printing());
+}
+
 TEST_F(AppStateTest, ErrorsInTheFileStayUntilItIsFixed) {
   const auto before = app.view.scene;
   Diagnostic wrong;
@@ -253,45 +422,21 @@ TEST_F(AppStateTest, OneSceneIsSavedAtATime) {
   EXPECT_TRUE(find<request::SaveScene>(tell(used)));
 }
 
-TEST_F(AppStateTest, MeasurementsWaitForIdleSessionsAndGiveThemBack) {
+TEST_F(AppStateTest, RequestedWorkStartsAtOnceBesideTheRefiningPicture) {
   (void)press('M');
-  Requests requests = tick();
-  ASSERT_TRUE(find<request::Pause>(requests));
-  EXPECT_TRUE(find<request::Pause>(requests)->on);
-  EXPECT_FALSE(find<request::Measure>(requests));
-  EXPECT_FALSE(find<request::Measure>(tick())) << "a session is still busy";
-  facts.sessions_idle = true;
-  requests = tick();
+  const Requests requests = tick();
   ASSERT_TRUE(find<request::Measure>(requests));
   EXPECT_EQ(find<request::Measure>(requests)->work, Measuring::Work::table);
-  EXPECT_FALSE(find<request::Pause>(tick()));
+  EXPECT_FALSE(find<request::Pause>(requests));
+  EXPECT_FALSE(find<request::Measure>(tick()));
   EXPECT_THAT(lines(tell(event::Measured{"measured the table", {}})), HasSubstr("measured"));
-  requests = tick();
-  ASSERT_TRUE(find<request::Pause>(requests));
-  EXPECT_FALSE(find<request::Pause>(requests)->on);
 }
 
-TEST_F(AppStateTest, NoMeasurementStartsWithARequestOfTheSameMoment) {
-  (void)press('M');
-  (void)tell(event::ControlsUsed{app.view, [] {
-                                   ControlResult did;
-                                   did.changed = did.dragging = true;
-                                   return did;
-                                 }()});
-  (void)tick();
-  // The movement ends now: its last picture comes first, though no session has begun it.
-  facts.sessions_idle = true;
-  const Requests requests = tick(1);
-  EXPECT_TRUE(find<request::Render>(requests));
-  EXPECT_FALSE(find<request::Measure>(requests));
-  EXPECT_TRUE(find<request::Measure>(tick()));
-}
-
-TEST_F(AppStateTest, CostsAreMeasuredAtRestAndGiveWay) {
+TEST_F(AppStateTest, CostsAreMeasuredWhileVisibleAndGiveWay) {
+  (void)take(picture());
+  EXPECT_FALSE(find<request::Measure>(tick(10))) << "nobody asked for them";
   rest_with_costs();
   Requests requests = tick();
-  EXPECT_TRUE(find<request::Pause>(requests)->on);
-  requests = tick();
   EXPECT_EQ(find<request::Measure>(requests)->work, Measuring::Work::costs);
   EXPECT_THAT(lines(requests), HasSubstr("measures the costs"));
   EXPECT_FALSE(app.costs_are_old);
@@ -301,11 +446,24 @@ TEST_F(AppStateTest, CostsAreMeasuredAtRestAndGiveWay) {
   EXPECT_TRUE(app.costs_are_old);
   requests = tell(event::Measured{"", {}});
   EXPECT_THAT(lines(requests), HasSubstr("did not measure the costs"));
-  EXPECT_FALSE(find<request::Pause>(tick())->on);
-  EXPECT_FALSE(find<request::Pause>(tick(10))) << "without its picture";
+  EXPECT_FALSE(find<request::Measure>(tick(10))) << "without its picture";
   (void)take(picture());
-  EXPECT_FALSE(find<request::Pause>(tick(0.5))) << "the message has just come";
-  EXPECT_TRUE(find<request::Pause>(tick(0.5))->on);
+  EXPECT_FALSE(find<request::Measure>(tick(0.5))) << "the message has just come";
+  EXPECT_TRUE(find<request::Measure>(tick(0.5)));
+}
+
+TEST_F(AppStateTest, CostsEndWhenTheirSectionClosesAndStartAgainForAnotherKind) {
+  rest_with_costs();
+  (void)tick();
+  event::ControlsUsed used{app.view, {}};
+  used.did.wants_costs = true, used.view.costs_of = CostOf::report;
+  EXPECT_EQ(find<request::Measure>(tell(used))->work, Measuring::Work::none);
+  (void)tell(event::Measured{"", {}});
+  EXPECT_EQ(find<request::Measure>(tick())->work, Measuring::Work::costs);
+  used.did.wants_costs = false;
+  EXPECT_EQ(find<request::Measure>(tell(used))->work, Measuring::Work::none);
+  (void)tell(event::Measured{"", {}});
+  EXPECT_FALSE(find<request::Measure>(tick(10)));
 }
 
 TEST_F(AppStateTest, CostsGiveWayToRequestedWorkWhichItsKeyStops) {
@@ -322,17 +480,6 @@ TEST_F(AppStateTest, CostsGiveWayToRequestedWorkWhichItsKeyStops) {
   EXPECT_THAT(lines(press('M')), HasSubstr("measuring all combinations"));
   EXPECT_THAT(lines(press('M')), HasSubstr("stopped"));
   EXPECT_FALSE(find<request::Measure>(tick()));
-}
-
-TEST_F(AppStateTest, PausingNeverWakesSessionsDuringMeasurements) {
-  EXPECT_TRUE(find<request::Pause>(press(' '))->on);
-  (void)press('M');
-  (void)tick();
-  EXPECT_TRUE(find<request::Pause>(press(' '))->on) << "resumed, but held";
-  facts.sessions_idle = true;
-  (void)tick();
-  (void)tell(event::Measured{"measured the table", {}});
-  EXPECT_FALSE(find<request::Pause>(tick())->on);
 }
 
 TEST_F(AppStateTest, MessagesExpire) {
@@ -370,7 +517,7 @@ TEST_F(AppStateTest, DragsMoveTheCameraAndClicksFindNothingWithoutAPicture) {
   const auto hold = [&](bool down) { return tell(event::MouseButton{0, down, false}); };
   (void)tell(event::CursorMoved{200, 150});
   (void)hold(true);
-  EXPECT_THAT(lines(hold(false)), HasSubstr("nothing there to focus on"));
+  EXPECT_TRUE(lines(hold(false)).empty()) << "nothing is there to select";
   const Camera before = app.view.camera;
   (void)hold(true);
   EXPECT_TRUE(find<request::Render>(tell(event::CursorMoved{240, 150})));
@@ -384,16 +531,42 @@ TEST_F(AppStateTest, DragsMoveTheCameraAndClicksFindNothingWithoutAPicture) {
   EXPECT_FALSE(app.gestures.is_busy()) << "the dialog is over the picture";
 }
 
-TEST_F(AppStateTest, ThePictureKeepsItsSizeUntilTheWindowChanges) {
-  EXPECT_FALSE(find<request::Render>(tell(event::Resized{715, 371, 1, 15})));
+TEST_F(AppStateTest, OnlyAPictureWithoutASizeFillsTheWindow) {
+  EXPECT_FALSE(find<request::Render>(tell(event::Resized{1000, 500, 1, 15})));
   EXPECT_EQ(app.stage.picture_width, 64);
-  (void)press('H');
+  event::ControlsUsed used{app.view, {}};
+  used.view.options.width = used.view.options.height = 0, used.did.changed = true;
+  (void)tell(used);
   Requests requests = tell(event::Resized{715, 371, 1, 15});
-  EXPECT_THAT(lines(requests), HasSubstr("size: 715x"));
-  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 715);
+  EXPECT_THAT(lines(requests), HasSubstr("size: 400x300"));
+  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 400);
   (void)press('H');
   requests = tell(event::Resized{715, 371, 1, 15});
-  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 64);
+  EXPECT_THAT(lines(requests), HasSubstr("size: 715x300"));
+  // A narrow window has no room for the panel; the key shows it over the picture.
+  (void)press('H');
+  requests = tell(event::Resized{600, 371, 1, 15});
+  EXPECT_THAT(lines(requests), HasSubstr("size: 600x300"));
+  EXPECT_FALSE(app.has_panel());
+  (void)press('H');
+  requests = tell(event::Resized{600, 371, 1, 15});
+  EXPECT_TRUE(app.has_panel());
+  EXPECT_FALSE(find<request::Render>(requests)) << "the picture keeps its size";
+}
+
+TEST_F(AppStateTest, TheFocusToolTakesClicksUntilEscape) {
+  const auto click = [&](bool ctrl = false) {
+    (void)tell(event::CursorMoved{200, 150});
+    (void)tell(event::MouseButton{0, true, false, ctrl});
+    return lines(tell(event::MouseButton{0, false, false, ctrl}));
+  };
+  EXPECT_EQ(click(), "") << "without a picture nothing is there to select";
+  facts.now += 1;
+  EXPECT_THAT(lines(press('E')), HasSubstr("click what shall be sharp"));
+  EXPECT_THAT(click(), HasSubstr("nothing there to focus on"));
+  EXPECT_FALSE(find<request::CloseWindow>(press(kEscape)));
+  EXPECT_FALSE(app.focuses);
+  EXPECT_TRUE(find<request::CloseWindow>(press(kEscape)));
 }
 
 TEST_F(AppStateTest, TheSplitViewRendersTheOtherPicture) {

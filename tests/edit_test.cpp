@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <thread>
+#include <vector>
 
 #include "io/file.h"
 #include "io/nff/nff.h"
@@ -43,6 +44,19 @@ TEST(History, UndoesAndRedoesUntilAChange) {
   int steps = 0;
   for (; history.can_undo(); ++steps) (void)history.undo();
   EXPECT_EQ(steps, 999) << "all are kept, or none forgotten";
+}
+
+TEST(History, ForgetsTheOldestButNotTheCurrentState) {
+  History<int> history(0);
+  EXPECT_FALSE(history.settle(0));
+  for (const int state : {1, 2, 3}) EXPECT_TRUE(history.settle(state));
+  EXPECT_TRUE(history.forget_oldest());
+  EXPECT_EQ(history.states(), (std::vector{1, 2, 3}));
+  EXPECT_EQ(history.undo(), 2);
+  EXPECT_TRUE(history.forget_oldest());
+  EXPECT_FALSE(history.can_undo());
+  EXPECT_FALSE(history.forget_oldest());
+  EXPECT_EQ(history.redo(), 3);
 }
 
 TEST(History, EveryChangeOfTheStateIsAStep) {
@@ -197,7 +211,7 @@ TEST(Samples, AreTheScenesOfTheTree) {
 // Looks at the disk until there is a result.
 SceneFile::Read next_read(SceneFile& file) {
   for (int i = 0; i < 600; ++i) {
-    if (auto read = file.poll(1)) return std::move(*read);
+    if (auto read = file.poll(1, kForPictures)) return std::move(*read);
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   return {"nothing", std::unexpected(Diagnostics{}), {}};
@@ -209,7 +223,7 @@ TEST(SceneFile, AFileThatIsGoneIsReportedOnceAndReadAgainWhenItReturns) {
   std::filesystem::create_directories(folder);
   const auto path = folder / "a.nff", away = folder / "away.nff";
   ASSERT_TRUE(write_file(path, write_nff(*scene())));
-  SceneFile file(path.string(), kForPictures);
+  SceneFile file(path.string());
   std::filesystem::rename(path, away);
   const SceneFile::Read gone = next_read(file);
   EXPECT_EQ(gone.path, path.string());
@@ -218,7 +232,7 @@ TEST(SceneFile, AFileThatIsGoneIsReportedOnceAndReadAgainWhenItReturns) {
   EXPECT_EQ(gone.scene.error()[0].text(),
             path.string() + ": error: the file is gone; the picture shows its last version");
   for (int i = 0; i < 30; ++i) {
-    EXPECT_FALSE(file.poll(1)) << "it was reported";
+    EXPECT_FALSE(file.poll(1, kForPictures)) << "it was reported";
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   std::filesystem::rename(away, path);  // with the time that it had

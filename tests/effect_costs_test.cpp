@@ -49,7 +49,7 @@ EffectCosts measured(const Scene& scene, const RenderOptions& options) {
   const RenderSettings s = resolve_options(options, scene);
   const auto accel = build_accel(scene, s.accel, s.one_sided);
   WorkControl control;
-  auto costs = measure_effects(scene, **accel, options, control, {}, kLittle);
+  auto costs = measure_effects(scene, **accel, options, CostOf::report, control, {}, kLittle);
   EXPECT_TRUE(costs.has_value());
   EXPECT_TRUE(costs->finished);
   EXPECT_EQ(costs->effects.size(), kEffects.size());
@@ -103,6 +103,53 @@ TEST(EffectCosts, CountsMatchRenders) {
   }
 }
 
+// One sample per pixel: antialiasing and depth of field share it.
+TEST(EffectCosts, CountsOneSampleOfThePicture) {
+  const Scene scene = small_scene();
+  RenderOptions o = small();
+  o.samples = 64, o.soft_shadows = true, o.dof = true;
+  const RenderSettings s = resolve_options(o, scene);
+  const auto accel = build_accel(scene, s.accel, s.one_sided);
+  WorkControl control;
+  const auto costs = measure_effects(scene, **accel, o, CostOf::sample, control, {}, kLittle);
+  ASSERT_TRUE(costs.has_value());
+  EXPECT_EQ(costs->of, CostOf::sample);
+  for (const EffectCost& c : costs->effects) {
+    EXPECT_EQ(c.pixels, 40u * 32);
+    EXPECT_EQ(c.with.rays.eye, 40u * 32) << int(c.effect);
+    EXPECT_EQ(c.without.rays.eye, 40u * 32) << int(c.effect);
+    const double factor = c.effect == Effect::structure ? c.without.seconds / c.with.seconds
+                                                        : c.with.seconds / c.without.seconds;
+    EXPECT_NEAR(factor, c.factor.median, 1e-9 * factor) << "the three numbers agree";
+  }
+  const RenderOptions plain = with_effect(o, Effect::soft_shadows, false, scene);
+  const RenderSettings without = resolve_options(plain, scene);
+  const auto film = make_film(scene, without);
+  EXPECT_TRUE(render(scene, **accel, without, **film, control, {.samples = 1}).finished);
+  EXPECT_EQ(cost(*costs, Effect::soft_shadows).without.rays.total(), (*film)->rays().total());
+}
+
+// Brute force on a tile would take minutes.
+TEST(EffectCosts, LeavesOutBruteForceOnMillions) {
+  Scene scene = small_scene();
+  Object cloud;
+  cloud.spheres = std::vector<Sphere>(2000, Sphere{{0, 0, 0}, 0.1f});
+  cloud.sphere_materials = std::vector<MaterialId>(2000, 0);
+  scene.prototypes.push_back(cloud);
+  for (int i = 0; i < 3000; ++i)
+    scene.instances.push_back({0, {1, 0, 0, float(i % 60), 0, 1, 0, float(i / 60), 0, 0, 1, 0}});
+  RenderOptions o = small();
+  const RenderSettings s = resolve_options(o, scene);
+  const auto accel = build_accel(scene, s.accel, s.one_sided);
+  ASSERT_TRUE(accel.has_value());
+  WorkControl control;
+  const auto costs = measure_effects(scene, **accel, o, CostOf::sample, control, {}, kLittle);
+  ASSERT_TRUE(costs.has_value());
+  EXPECT_TRUE(costs->finished);
+  EXPECT_EQ(cost(*costs, Effect::structure).presence, EffectCost::too_slow);
+  EXPECT_EQ(cost(*costs, Effect::soft_shadows).presence, EffectCost::in_picture);
+}
+
 // Runs are repeated until they take the requested time.
 TEST(EffectCosts, RunsHaveTheRequestedLength) {
   const Scene scene = small_scene();
@@ -111,8 +158,8 @@ TEST(EffectCosts, RunsHaveTheRequestedLength) {
   const auto accel = build_accel(scene, o.accel);
   WorkControl control;
   const auto start = std::chrono::steady_clock::now();
-  const auto costs =
-      measure_effects(scene, **accel, o, control, {}, {.close_enough = 100, .least_run_s = 0.005});
+  const auto costs = measure_effects(scene, **accel, o, CostOf::report, control, {},
+                                     {.close_enough = 100, .least_run_s = 0.005});
   const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
   ASSERT_TRUE(costs.has_value());
   double least = 0;
@@ -137,7 +184,8 @@ std::vector<EffectCost::Presence> presence(const Scene& scene, const RenderOptio
   const auto stop_after_a_round = [&](const EffectCosts& now) {
     for (const EffectCost& c : now.effects) control.stop = control.stop || c.rounds > 0;
   };
-  const auto costs = measure_effects(scene, **accel, options, control, stop_after_a_round, kLittle);
+  const auto costs = measure_effects(scene, **accel, options, CostOf::report, control,
+                                     stop_after_a_round, kLittle);
   std::vector<EffectCost::Presence> all;
   for (const EffectCost& c : costs->effects) {
     all.push_back(c.presence);
@@ -245,12 +293,13 @@ TEST(EffectCosts, StopsOnRequestAndReportsProgress) {
   WorkControl control;
   int news = 0;
   double done = 0;
-  const auto costs = measure_effects(scene, **accel, o, control, [&](const EffectCosts& now) {
-    EXPECT_EQ(now.effects.size(), kEffects.size());
-    EXPECT_FALSE(now.finished);
-    done = now.done;
-    if (++news == 3) control.stop = true;
-  });
+  const auto costs =
+      measure_effects(scene, **accel, o, CostOf::report, control, [&](const EffectCosts& now) {
+        EXPECT_EQ(now.effects.size(), kEffects.size());
+        EXPECT_FALSE(now.finished);
+        done = now.done;
+        if (++news == 3) control.stop = true;
+      });
   ASSERT_TRUE(costs.has_value());
   EXPECT_FALSE(costs->finished);
   EXPECT_EQ(news, 3);

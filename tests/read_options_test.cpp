@@ -18,13 +18,13 @@ using testing::IsEmpty;
 ReadOptions unusual() {
   ReadOptions o = kForPictures;
   auto& [style, color_by, colormap, color_range, smooth, radius, assembly, frame, atom_style, cell,
-         images, only, hide, show, hide_solvent, instances, folder, cache] = o;
+         images, only, hide, show, hide_solvent, instances, labels, folder, cache] = o;
   style = AtomStyle::sticks, color_by = "forces.1", colormap = "plasma";
   color_range = {0.1, -2e10}, smooth = 12.5F, radius = 0.3F, assembly = 0, frame = -3;
   atom_style = "full", cell = false, images = {2, 1, 3};
   only = "not (water, ion)", hide = "hydrogen", show = "residue HEM,5-12";
   // The program sets these, not the user.
-  (void)hide_solvent, (void)instances, (void)folder, (void)cache;
+  (void)hide_solvent, (void)instances, (void)labels, (void)folder, (void)cache;
   return o;
 }
 

@@ -275,11 +275,28 @@ TEST(ViewState, AnAngleToCentersIsAWiderOneToEdges) {
   state.camera.from = {1, 2, 3}, state.camera.at = {0, 0, 0};
   state.options.angle_to_centers = true;
   const EyeRays to_centers(state.camera, 64, 48, true);
-  const EyeRays to_edges(state.edge_to_edge(48), 64, 48);
+  const EyeRays to_edges(state.edge_to_edge(64, 48), 64, 48);
   for (const float x : {0.5f, 20.5f, 63.5f})
     EXPECT_NEAR(dot(to_centers.pinhole(x, 0.5f).dir, to_edges.pinhole(x, 0.5f).dir), 1, 1e-6);
   state.options.angle_to_centers = false;
-  EXPECT_EQ(state.edge_to_edge(48), state.camera);
+  EXPECT_EQ(state.edge_to_edge(64, 48), state.camera);
+}
+
+// In any shape, the picture contains the frame of the scene: its width to height, or a square.
+TEST(ViewState, ANarrowPictureShowsTheWholeFrame) {
+  auto wide = std::make_shared<Scene>();
+  wide->camera.from = {0, 0, 5}, wide->camera.fov_deg = 40;
+  wide->camera.width = 300, wide->camera.height = 200;
+  const ViewState state("scene.nff", wide, {});
+  const double frame = std::tan(20 * std::numbers::pi / 180);
+  for (const auto& [width, height] : {std::pair(600, 400), {900, 400}, {300, 300}, {100, 900}}) {
+    const Camera shown = state.shown_camera(width, height);
+    const double half = std::tan(double(shown.fov_deg) * std::numbers::pi / 360);
+    EXPECT_NEAR(half, frame * std::max(1.0, 1.5 * height / width), 1e-5) << width;
+    const RenderOptions asked = state.request(width, height);
+    EXPECT_EQ(resolve_options(asked, *wide).camera.fov_deg, shown.fov_deg);
+  }
+  EXPECT_EQ(state.shown_camera(900, 400), state.camera);
 }
 
 TEST(Comparison, ComparesWholeSamplesOfOneSize) {
@@ -369,12 +386,18 @@ TEST(Layout, PartsCoverTheWindowAndDoNotOverlap) {
         EXPECT_EQ(l.tool_bar, Rect(0, 0, width, l.picture.top));
         EXPECT_EQ(l.status, Rect(0, l.picture.bottom, width, height));
         EXPECT_EQ(l.picture.left, 0);
-        EXPECT_EQ(l.panel, Rect(l.picture.right, l.picture.top, width, l.picture.bottom));
+        const bool is_narrow = width < kLeastWidthEms * em;
+        if (!panel || !is_narrow) {
+          EXPECT_EQ(l.panel, Rect(l.picture.right, l.picture.top, width, l.picture.bottom));
+        } else {
+          EXPECT_EQ(l.picture.right, width) << "covered by the panel";
+          EXPECT_GT(l.panel.width(), 0);
+        }
         EXPECT_GE(l.picture.width(), 1);
         EXPECT_GE(l.picture.height(), 1);
         if (!panel) {
           EXPECT_EQ(l.picture.right, width);
-        } else if (width > 1000) {
+        } else if (width > 1000 && !is_narrow) {
           EXPECT_GT(l.picture.width(), width / 3);
         }
         // Whole units, so that pixels of the picture stay those of the screen.
@@ -488,13 +511,13 @@ TEST(Texts, AllAreInPortuguese) {
     if (entry.path().extension() != ".cpp") continue;
     const std::string source = read_file(entry.path(), 1 << 20).value();
     const std::regex text(
-        R"re((?:\btrf?\(|open_section\(|heat_legend\()\s*((?:"(?:[^"\\]|\\.)*"\s*)+))re");
+        R"re((?:\btrf?\(|open_section\(|heat_legend\(|\blabel\(|\bheading\(|\b(?:combo|field|number|on_or_off|box)\()\s*((?:"(?:[^"\\]|\\.)*"\s*)+))re");
     for (std::sregex_iterator it(source.begin(), source.end(), text), end; it != end; ++it) {
       std::string joined;
       const std::string pieces = (*it)[1];
       for (std::sregex_iterator piece(pieces.begin(), pieces.end(), literal); piece != end; ++piece)
         joined += (*piece)[1].str();
-      if (joined.find('\\') == std::string::npos) texts.insert(joined);
+      if (!joined.empty() && joined.find('\\') == std::string::npos) texts.insert(joined);
     }
     const std::regex counts(R"re(number_of\([^;]*?"([^"]*)",\s*"([^"]*)"\))re");
     for (std::sregex_iterator it(source.begin(), source.end(), counts), end; it != end; ++it)

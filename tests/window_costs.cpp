@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -186,8 +187,11 @@ class Trial {
 
   /// Once more. Whether the window lived through it.
   bool run(int number) {
-    raio::core::WindowDriver window(display_, {scene_},
-                                    std::filesystem::temp_directory_path().string());
+    const auto folder = std::filesystem::temp_directory_path() / "raio-window-costs";
+    std::filesystem::create_directories(folder / "state/raio");
+    std::ofstream(folder / "state/raio/window")
+        << "section What each effect costs\ncosts as reported\n";
+    raio::core::WindowDriver window(display_, {scene_}, folder.string());
     size_t from = window.mark();
     window.resize(820 + 8 * number, 800);
     const auto size = window.wait_for("size: ([0-9x]+)", from);

@@ -1,9 +1,12 @@
 // The real window, with a scene in a separate folder, on a display shared by all tests of a suite.
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -35,9 +38,25 @@ class WindowTest : public TemporaryFolder {
     put(file("scene.nff"), kWindowScene);
   }
 
+  // With a picture of 160x120, unless the arguments have another size.
   std::unique_ptr<WindowDriver> open(std::vector<std::string> arguments = {}) const {
+    if (std::ranges::find(arguments, "--size") == arguments.end())
+      arguments.insert(arguments.begin(), {"--size", "160x120"});
     arguments.insert(arguments.begin(), "scene.nff");
     return std::make_unique<WindowDriver>(*display_, arguments, folder().string());
+  }
+
+  // With a picture that fills a window of this size, as remembered.
+  std::unique_ptr<WindowDriver> open_filled(int width, int height) const {
+    remember(fmt::format("size {} {}", width, height));
+    return std::make_unique<WindowDriver>(*display_, std::vector<std::string>{"scene.nff"},
+                                          folder().string());
+  }
+
+  // A line of the file in which the window remembers its settings.
+  void remember(const std::string& line) const {
+    std::filesystem::create_directories(folder() / "state/raio");
+    put(folder() / "state/raio/window", line + "\n");
   }
 
   std::unique_ptr<WindowDriver> open_without_scene(std::vector<std::string> arguments = {}) const {

@@ -105,14 +105,22 @@ TEST_F(WindowTest, MouseMovesTheCameraAndAKeyResetsIt) {
   });
 }
 
-TEST_F(WindowTest, AClickFocusesAndTheWheelSetsTheAperture) {
+TEST_F(WindowTest, TheFocusToolFocusesAndTheWheelSetsTheAperture) {
   const auto window = open();
   const auto read = read_nff(file("scene.nff"));
   const auto accel = build_accel(read->scene, {});
   const auto expected = view::pick(**accel, read->scene.camera, 111.0 / 160, 60.0 / 120, 4.0 / 3);
   ASSERT_EQ(expected.what, "sphere 1");
 
-  const size_t from = window->mark();
+  // A click alone selects.
+  size_t from = window->mark();
+  window->click(111, 60);
+  ASSERT_TRUE(window->wait_for("sphere 1, material 1, at ", from)) << window->log();
+  EXPECT_EQ(window->log().find("request: ", 0), window->log().rfind("request: ")) << window->log();
+  from = window->mark();
+  window->key(XK_e);
+  ASSERT_TRUE(window->wait_for("click what shall be sharp", from)) << window->log();
+  from = window->mark();
   window->click(111, 60);
   const auto focus = window->wait_for("focus on (.*), distance ([0-9.]+)", from);
   ASSERT_TRUE(focus) << window->log();
@@ -130,15 +138,16 @@ TEST_F(WindowTest, AClickFocusesAndTheWheelSetsTheAperture) {
 }
 
 TEST_F(WindowTest, ResizesMinimisesAndQuits) {
-  const auto window = open();
-  size_t from = window->mark();
   // The room between the bars and the panel.
-  window->resize(715, 371);
-  ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
-  ASSERT_TRUE(window->wait_for("picture: 400x300 samples 1", from)) << window->log();
+  const auto window = open_filled(715, 371);
+  ASSERT_TRUE(window->wait_for("picture: 400x300 samples 1", 0)) << window->log();
+  size_t from = window->mark();
+  window->resize(735, 371);
+  ASSERT_TRUE(window->wait_for("size: 420x300", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("picture: 420x300 samples 1", from)) << window->log();
   from = window->mark();
   window->key(XK_h);
-  ASSERT_TRUE(window->wait_for("picture: 715x300 samples 1", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("picture: 735x300 samples 1", from)) << window->log();
   window->minimise(true);
   window->minimise(false);
   from = window->mark();
@@ -149,15 +158,16 @@ TEST_F(WindowTest, ResizesMinimisesAndQuits) {
 }
 
 TEST_F(WindowTest, HidingThePanelTwiceGivesTheSamePictureBack) {
-  const auto window = open();
-  const auto before = window->picture(0);
+  const auto window = open_filled(715, 371);
+  ASSERT_TRUE(window->wait_for("picture: 400x300 samples 1", 0)) << window->log();
+  const auto before = window->picture(1);
   size_t from = window->mark();
   window->key(XK_h);
   ASSERT_TRUE(window->wait_for("panel hidden", from)) << window->log();
   EXPECT_NE(window->picture(from)->sum, before->sum);
   from = window->mark();
   window->key(XK_h);
-  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
   EXPECT_EQ(window->picture(from)->sum, before->sum);
 }
 
@@ -210,21 +220,21 @@ TEST_F(WindowTest, LettersWithCtrlSwitchNoEffect) {
 }
 
 TEST_F(WindowTest, ChangesColoursAndType) {
-  const auto window = open();
+  const auto window = open_filled(715, 371);
   size_t from = window->mark();
   window->key(XK_l);
   ASSERT_TRUE(window->wait_for("light colours", from)) << window->log();
   from = window->mark();
   window->key(XK_l);
   ASSERT_TRUE(window->wait_for("dark colours", from)) << window->log();
-  // Bigger bars leave less for the picture.
+  // Bigger bars leave less for the picture, and the panel is folded away.
   from = window->mark();
   window->key(XK_b);
-  ASSERT_TRUE(window->wait_for("size: 1x", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("size: 715x2", from)) << window->log();
   from = window->mark();
   window->key(XK_b);
   ASSERT_TRUE(window->wait_for("normal type", from)) << window->log();
-  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
 }
 
 TEST_F(WindowTest, HelpTakesTheKeysUntilEscape) {
@@ -247,13 +257,13 @@ TEST_F(WindowTest, HelpTakesTheKeysUntilEscape) {
 }
 
 TEST_F(WindowTest, TogglesFullScreen) {
-  const auto window = open();
+  const auto window = open_filled(715, 371);
   size_t from = window->mark();
   window->key(XK_F11);
   ASSERT_TRUE(window->wait_for("size: 965x953", from)) << window->log();
   from = window->mark();
   window->key(XK_Escape);
-  ASSERT_TRUE(window->wait_for("size: 160x120", from)) << window->log();
+  ASSERT_TRUE(window->wait_for("size: 400x300", from)) << window->log();
   EXPECT_TRUE(window->is_running());
 }
 
@@ -301,7 +311,7 @@ TEST_F(WindowTest, ToolsMatchTheirKeys) {
   // From the tool bar straight to the picture: the click is the picture's.
   const size_t from = window->mark();
   window->click(111, 60);
-  EXPECT_TRUE(window->wait_for("focus on sphere 1", from)) << window->log();
+  EXPECT_TRUE(window->wait_for("sphere 1, material 1, at ", from)) << window->log();
 }
 
 TEST_F(WindowTest, SplitsThePicture) {
@@ -318,6 +328,7 @@ TEST_F(WindowTest, SplitsThePicture) {
 }
 
 TEST_F(WindowTest, MeasuresTheSixteenEvenWhileItMeasuresCosts) {
+  remember("section What each effect costs");
   const auto window = open({"--size", "32x32"});
   ASSERT_TRUE(window->wait_for("measures the costs", 0)) << window->log();
   const size_t from = window->mark();
@@ -326,6 +337,7 @@ TEST_F(WindowTest, MeasuresTheSixteenEvenWhileItMeasuresCosts) {
 }
 
 TEST_F(WindowTest, MeasuresCostsAtRestAndStopsForInput) {
+  remember("section What each effect costs");
   const auto window = open({"--soft-shadows", "--samples", "16"});
   auto costs = window->wait_for("measures the costs", 0);
   ASSERT_TRUE(costs) << window->log();

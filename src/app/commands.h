@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "app/overlay.h"
 #include "io/read_scene.h"
 #include "measure/benchmark.h"
 #include "render/job.h"
@@ -35,18 +36,13 @@ struct FrameRange {
 
 // Renders one or many pictures. An empty output means <scene>.png in the current folder; a folder,
 // <scene>.png in it.
-struct RenderCommand : JobRequest {
+struct RenderCommand : JobRequest, Annotations {
   std::vector<std::string> scenes;  // files; `scene` is set to each in turn
   std::string stats;                // file for the statistics; empty: none
   std::string progress = "auto";
   bool quiet = false;
   int turntable = 0;                 // number of pictures around the scene; 0: one, by its camera
   std::optional<FrameRange> frames;  // one picture each; absent: only the frame in `read`
-  // Annotations of pictures.
-  bool color_bar = false, legend = false, scale_bar = false;
-  std::string color_bar_side = "right";  // or left; the legend takes the other one
-
-  bool any_annotation() const { return color_bar || legend || scale_bar; }
 };
 int run(const RenderCommand& command);
 

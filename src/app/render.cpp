@@ -4,7 +4,6 @@
 #include <climits>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -14,7 +13,6 @@
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
-#include "base/exact_math.h"
 #include "base/executor.h"
 #include "io/scene_file.h"
 #include "render/job_start.h"
@@ -170,23 +168,8 @@ class Pictures {
                        fmt::format("a picture of {}x{} pixels has no room for --legend; make "
                                    "it larger or --dpi smaller, or leave one of them out",
                                    settings.width, settings.height));
-    const bool left = command_.color_bar_side == "left";
-    request.overlay = [this, left, colors = read.colors, legend = std::move(read.legend),
-                       unit = read.unit,
-                       scale = pixels_per_unit(settings)](Picture& picture, bool linear) {
-      std::expected<void, Error> done;
-      if (command_.color_bar) done = draw_color_bar_on(picture, *colors, left, linear);
-      if (done && command_.legend) done = draw_legend_on(picture, legend, !left, linear);
-      if (done && command_.scale_bar) done = draw_scale_bar_on(picture, scale, unit, linear);
-      return done;
-    };
+    request.overlay = overlay_of(command_, read, settings);
     return kDone;
-  }
-
-  // At the point looked at.
-  static double pixels_per_unit(const RenderSettings& s) {
-    const double distance = double(length(s.camera.at - s.camera.from));
-    return s.height / (2 * distance * exact_tan(double(s.camera.fov_deg) * std::numbers::pi / 360));
   }
 
   // The camera relative to an origin shifted by `by`.

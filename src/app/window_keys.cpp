@@ -56,6 +56,12 @@ constexpr auto kKeys = std::to_array<KeySpec>({
      "i",
      "inspect rays",
      "Shows the rays of the next pixel clicked; again: cancels"},
+    {'E',
+     {},
+     Command::focus,
+     "e",
+     "focus",
+     "Focus tool: a click focuses, the wheel sets the aperture; again: leaves it"},
     {',', {}, Command::walk_back, ",", "step back", "In the ray inspector: one step back"},
     {'.', {}, Command::walk_on, ".", "step forward", "In the ray inspector: one step forward"},
     {kEnter,
@@ -107,10 +113,12 @@ constexpr auto kKeys = std::to_array<KeySpec>({
 });
 
 constexpr auto kHands = std::to_array<HandSpec>({
-    {"drag", "Orbits about the point under the cursor"},
+    {"drag", "Orbits about the point under the cursor; data, about its middle"},
     {"shift or middle button", "Drags the scene"},
     {"wheel", "Moves towards the point under the cursor, or away"},
-    {"click", "Focuses on the point under the cursor; then the wheel sets the aperture"},
+    {"click", "Selects what is under the cursor, and tells what it is"},
+    {"ctrl and click", "Selects up to four: distance, angle, dihedral angle"},
+    {"double click", "Turns about that point; beside the scene: as before"},
     {"shift and click", "Shows the rays of the pixel"},
     {"i, then shift and drag", "Shows the rays of a region or a row of pixels"},
     {"ctrl and wheel", "The aperture, at any time"},

@@ -33,6 +33,7 @@ enum class Command : uint8_t {
   curve,
   boxes,
   inspect,
+  focus,
   walk_back,
   walk_on,
   walk_play,

@@ -15,7 +15,8 @@
 
 namespace raio::core {
 
-class TextBuffer;  // io/nff/text_cursor.h
+class TextBuffer;   // io/nff/text_cursor.h
+struct AtomLabels;  // io/atoms/labels.h
 
 /// Styles of atoms: spheres with van der Waals radii; smaller spheres with bonds as cylinders; only
 /// bonds; or all as points of one size.
@@ -51,6 +52,7 @@ struct ReadOptions {
   std::string only = {}, hide = {}, show = {};
   bool hide_solvent = false;  // water and ions around a space-filling protein or nucleic acid
   bool instances = false;     // keep instances; else they become primitives
+  bool labels = false;        // keep what the file says about each atom
   std::optional<std::filesystem::path> folder = {};  // of referenced files; absent: none
   FrameCache* cache = nullptr;                       // for reading frame after frame of a text
   // NOLINTEND(readability-redundant-member-init)
@@ -67,14 +69,27 @@ struct LegendEntry {
   Rgb color;  // linear
 };
 
+/// What a file leaves to ReadOptions, and what was chosen.
+struct ReadChoices {
+  // Whether these have an effect: style, selections, cell and images; colours by a column; smooth.
+  bool atoms = false, points = false, mesh = false;
+  std::vector<std::string> columns;  // that `color_by` takes
+  std::string color_by;              // in use; empty: the colours of the file
+  AtomStyle style = AtomStyle::space_filling;
+  bool has_cell = false, cell = false;  // drawn
+  int assemblies = 0, assembly = 0;     // drawn; 0: none
+};
+
 struct ReadScene {
   Scene scene;
   Diagnostics notices;                    // no errors
   size_t frames = 0;                      // in the file; 0: the format has none
   std::optional<ColorScale> colors = {};  // if numbers are shown as colours
   // NOLINTBEGIN(readability-redundant-member-init): so that some can be omitted
-  std::vector<LegendEntry> legend = {};  // if names are shown as colours
-  std::string unit = {};                 // of lengths; empty: unknown
+  std::vector<LegendEntry> legend = {};          // if names are shown as colours
+  std::string unit = {};                         // of lengths; empty: unknown
+  std::shared_ptr<const AtomLabels> atoms = {};  // if asked for
+  ReadChoices choices = {};
   // NOLINTEND(readability-redundant-member-init)
 };
 

@@ -165,6 +165,10 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
                                      : parse_nff(*text, file);
   if (!read) return read;
   read->scene.name = name.stem().string();
+  read->choices.atoms = kind.takes == FileKind::Takes::all;
+  read->choices.points = kind.takes != FileKind::Takes::nothing;
+  read->choices.mesh =
+      kind.is_mesh && !(read->scene.meshes.empty() && read->scene.prototypes.empty());
   if (kind.is_mesh) smooth_meshes(read->scene, options.smooth.value_or(kind.smooth));
   if (std::string wrong = apply_instances(options, read->scene); !wrong.empty())
     return failed(file, std::move(wrong));

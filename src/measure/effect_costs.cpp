@@ -17,6 +17,8 @@ constexpr size_t kFewestRounds = 5, kFewestSlowRounds = 3, kMaxRounds = 25;
 constexpr double kCostPatienceSeconds = 15;  // after that, the minimum number of rounds suffices
 constexpr double kNewsSeconds = 0.5;
 constexpr uint32_t kProbeShards = 64;
+// Of brute force in one tile: some seconds.
+constexpr double kMaxTests = 6e9;
 
 // One of the compared pictures.
 struct Variant {
@@ -27,18 +29,21 @@ struct Variant {
   double part = 1;                  // which is this part of the picture's work
   std::vector<double> seconds{};    // per round, of a run
   EffectCost::Side counted{};
+  double counted_pixels = 0;
 };
 
 class EffectMeasurement {
  public:
   EffectMeasurement(const Scene& scene, const Accel& accel, const RenderOptions& options,
-                    WorkControl& control, const std::function<void(const EffectCosts&)>& on_news,
+                    CostOf what, WorkControl& control,
+                    const std::function<void(const EffectCosts&)>& on_news,
                     const MeasuringEffort& effort)
       : scene_(scene),
-        options_(timed_options(options, scene)),
+        options_(what == CostOf::report ? timed_options(options, scene) : sampled_options(options)),
         control_(control),
         on_news_(on_news),
         effort_(effort) {
+    costs_.of = what;
     base_ = {.settings = resolve_options(options_, scene_), .accel = &accel};
   }
 
@@ -63,6 +68,20 @@ class EffectMeasurement {
 
  private:
   EffectCost& cost(Effect effect) { return costs_.effects[size_t(effect)]; }
+
+  // The options with the effect switched.
+  RenderOptions other_options(const EffectCost& c) const {
+    RenderOptions o = with_effect(options_, c.effect, !c.on, scene_);
+    if (costs_.of == CostOf::report) return o;
+    // The picture has as many samples as before, wherever they are in the pixel and on the lens.
+    o.lens_samples = options_.lens_samples;
+    if (c.effect == Effect::antialiasing && !c.on && options_.samples > 0) o.aa = 0;
+    return o;
+  }
+  // Of a run.
+  double samples_of(const RenderSettings& s) const {
+    return costs_.of == CostOf::report ? s.samples_per_pixel() : 1;
+  }
 
   bool fail(Error why) {
     error_ = std::move(why);
@@ -108,7 +127,8 @@ class EffectMeasurement {
 
   // Nothing if stopped.
   std::optional<TimedRun> run_share(const Variant& v, const Accel& accel, uint32_t share) {
-    auto done = render_share(scene_, accel, v.settings, share, control_);
+    auto done = render_share(scene_, accel, v.settings, share, control_,
+                             costs_.of == CostOf::report ? 0 : 1);
     if (!done) return fail(std::move(done.error())), std::nullopt;
     return *done;
   }
@@ -122,6 +142,7 @@ class EffectMeasurement {
     if (!counted) return false;
     v.counted.rays = counted->rays;
     pixels = counted->pixels;
+    v.counted_pixels = double(pixels);
     v.share = share, v.part = part_of_picture(pixels);
     tell_now_and_then();
     return true;
@@ -153,19 +174,19 @@ class EffectMeasurement {
     double most_samples = 1;
     for (const EffectCost& c : costs_.effects) {
       if (c.effect == Effect::structure || c.presence != EffectCost::in_picture) continue;
-      const RenderOptions o = with_effect(options_, c.effect, !c.on, scene_);
-      others.push_back({c.effect, {.settings = resolve_options(o, scene_), .accel = base_.accel}});
-      const RenderSettings& s = others.back().second.settings;
-      most_samples = std::max(most_samples, double(s.samples_per_pixel()));
+      others.push_back(
+          {c.effect,
+           {.settings = resolve_options(other_options(c), scene_), .accel = base_.accel}});
+      most_samples = std::max(most_samples, samples_of(others.back().second.settings));
     }
     tell();
     const auto whole_s = probe(base_, kProbeShards);
     if (!whole_s) return false;
-    const double per_sample = *whole_s / base_.settings.samples_per_pixel();
+    const double per_sample = *whole_s / samples_of(base_.settings);
     const uint32_t share =
         share_for(scene_, base_.settings, per_sample * most_samples, kTilesPerThread);
     double round_s = *whole_s;
-    for (const auto& [effect, v] : others) round_s += per_sample * v.settings.samples_per_pixel();
+    for (const auto& [effect, v] : others) round_s += per_sample * samples_of(v.settings);
     expect(double(kFewestRounds + 1) * round_s / share);
 
     uint64_t pixels = 0;
@@ -222,14 +243,19 @@ class EffectMeasurement {
 
   void take_round(EffectCost& c, const Variant& base, const Variant& other, bool patient) const {
     const Variant &with = c.on ? base : other, &without = c.on ? other : base;
+    const bool is_structure = c.effect == Effect::structure;
+    const Variant &over = is_structure ? without : with, &under = is_structure ? with : without;
     std::vector<double> ratios;
     ratios.reserve(with.seconds.size());
     for (size_t i = 0; i < with.seconds.size(); ++i)
-      ratios.push_back(with.seconds[i] / with.part / (without.seconds[i] / without.part));
+      ratios.push_back(over.seconds[i] / over.part / (under.seconds[i] / under.part));
     c.factor = median_interval(std::move(ratios));
     c.rounds = int(with.seconds.size());
-    c.with.seconds = median_interval(with.seconds).median / with.part;
-    c.without.seconds = median_interval(without.seconds).median / without.part;
+    // The other picture's seconds follow from the factor, so the three numbers agree.
+    const double shown_s = median_interval(base.seconds).median / base.part;
+    const bool is_over = c.on != is_structure;
+    const double other_s = is_over ? shown_s / c.factor.median : shown_s * c.factor.median;
+    (c.on ? c.with : c.without).seconds = shown_s, (c.on ? c.without : c.with).seconds = other_s;
     const bool close = c.factor.half_width() <= effort_.close_enough;
     const auto rounds = size_t(c.rounds);
     c.finished = (rounds >= kFewestRounds && close) || rounds >= kMaxRounds ||
@@ -242,7 +268,12 @@ class EffectMeasurement {
   // so its seconds are scaled by the numbers of rays.
   bool measure_structure() {
     EffectCost& c = cost(Effect::structure);
-    const RenderOptions o = with_effect(options_, Effect::structure, !c.on, scene_);
+    const double rays = double(base_.counted.rays.total()) / std::max(base_.counted_pixels, 1.0);
+    if (c.on && rays * kTileSide * kTileSide * double(scene_.primitive_count()) > kMaxTests) {
+      c.presence = EffectCost::too_slow;
+      return true;
+    }
+    const RenderOptions o = other_options(c);
     Variant base{.settings = base_.settings, .accel = base_.accel, .counting = base_.counting};
     base.counted.has_steps = base_.counted.has_steps;
     Variant other{.settings = resolve_options(o, scene_)};
@@ -284,9 +315,10 @@ class EffectMeasurement {
 }  // namespace
 
 std::expected<EffectCosts, Error> measure_effects(
-    const Scene& scene, const Accel& accel, const RenderOptions& options, WorkControl& control,
-    const std::function<void(const EffectCosts&)>& on_news, const MeasuringEffort& effort) {
-  return EffectMeasurement(scene, accel, options, control, on_news, effort).run();
+    const Scene& scene, const Accel& accel, const RenderOptions& options, CostOf what,
+    WorkControl& control, const std::function<void(const EffectCosts&)>& on_news,
+    const MeasuringEffort& effort) {
+  return EffectMeasurement(scene, accel, options, what, control, on_news, effort).run();
 }
 
 }  // namespace raio::core

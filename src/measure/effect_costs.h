@@ -18,6 +18,11 @@
 
 namespace raio::core {
 
+/// What is timed: one sample of every pixel of the picture as the options describe it; or the whole
+/// picture with the samples of the 2018 report, as the benchmark does: 9 per pixel with
+/// antialiasing, 3 with depth of field, 27 with both.
+enum class CostOf : uint8_t { sample, report };
+
 struct EffectCost {
   Effect effect = Effect::antialiasing;
   bool on = false;  // in the options
@@ -25,22 +30,26 @@ struct EffectCost {
     in_picture,
     not_in_scene,    // is_in_scene() says so
     not_in_picture,  // no ray of this picture is affected
+    too_slow,        // brute force on these primitives cannot be timed in seconds
   } presence = in_picture;
 
-  int rounds = 0;           // measured rounds; 0: the following is unknown
-  bool finished = false;    // no more rounds follow
-  MedianInterval factor{};  // the ratio of times with and without it, per round
+  int rounds = 0;         // measured rounds; 0: the following is unknown
+  bool finished = false;  // no more rounds follow
+  /// The ratio of times with and without it, per round; of the structure, without and with it: how
+  /// many times as fast the picture is.
+  MedianInterval factor{};
 
   struct Side {
-    double seconds = 0;      // for the whole picture; median
+    double seconds = 0;      // scaled to all pixels; that of both sides have the ratio `factor`
     RayCounts rays;          // of `pixels`
     bool has_steps = false;  // the rays' tests and steps are counted
   };
   Side with{}, without{};
-  uint64_t pixels = 0;  // with counted rays; `seconds` are scaled to the picture
+  uint64_t pixels = 0;  // with counted rays
 };
 
 struct EffectCosts {
+  CostOf of = CostOf::sample;
   int width = 0, height = 0;
   std::vector<EffectCost> effects;  // in the order of kEffects
   bool finished = false;
@@ -48,8 +57,7 @@ struct EffectCosts {
 };
 
 /// Measures the costs of all effects for a picture with `options`, ignoring view, channels and
-/// numbers of samples: samples are those of the benchmark, 9 per pixel with antialiasing, 3 with
-/// depth of field, 27 with both. `accel` is the structure selected by the options.
+/// numbers of samples. `accel` is the structure selected by the options.
 ///
 /// Each round renders the picture as it is, and then with each effect switched, reversing the order
 /// every other time, with as many threads as a render. An effect is finished when the interval of
@@ -62,8 +70,8 @@ struct EffectCosts {
 /// of the timed part. If stopped by `control`, it ends soon, without `finished`. Errors: those of
 /// make_film() and build_accel().
 std::expected<EffectCosts, Error> measure_effects(
-    const Scene& scene, const Accel& accel, const RenderOptions& options, WorkControl& control,
-    const std::function<void(const EffectCosts&)>& on_news = {},
+    const Scene& scene, const Accel& accel, const RenderOptions& options, CostOf what,
+    WorkControl& control, const std::function<void(const EffectCosts&)>& on_news = {},
     const MeasuringEffort& effort = {});
 
 }  // namespace raio::core

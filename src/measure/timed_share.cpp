@@ -15,10 +15,15 @@ constexpr double kMaxRunSeconds = 0.6;  // expected of the slowest run
 
 }  // namespace
 
+RenderOptions sampled_options(RenderOptions o) {
+  o.view = View::picture, o.channels = {};
+  if (o.integrator == IntegratorKind::views) o.integrator.reset();
+  return o;
+}
+
 RenderOptions timed_options(const RenderOptions& options, const Scene& scene) {
-  RenderOptions o = options;
+  RenderOptions o = sampled_options(options);
   o.samples = 0, o.sampler = SamplerKind::jitter;
-  o.view = View::picture, o.integrator = std::nullopt, o.channels = {};
   for (const Effect e : {Effect::antialiasing, Effect::depth_of_field})
     o = with_effect(o, e, is_on(e, options, scene), scene);
   return o;
@@ -26,16 +31,18 @@ RenderOptions timed_options(const RenderOptions& options, const Scene& scene) {
 
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
-                                                           uint32_t share, WorkControl& control) {
+                                                           uint32_t share, WorkControl& control,
+                                                           uint32_t samples) {
   const auto film = make_film(scene, settings);
   if (!film) return std::unexpected(film.error());
-  const RenderResult done = render(scene, accel, settings, **film, control, {.shards = share});
+  const RenderResult done =
+      render(scene, accel, settings, **film, control, {.samples = samples, .shards = share});
   if (!done.finished) return std::nullopt;
   // With few tiles, some threads finish long before others; their waiting does not count.
   const size_t tiles = ((*film)->tiles() + share - 1) / share;
   const auto at_work = double(std::min(size_t(std::max(1, settings.threads)), tiles));
   TimedRun run{share > 1 ? done.busy_s / at_work : done.seconds, (*film)->rays(), 0};
-  run.pixels = run.rays.eye / uint64_t(settings.samples_per_pixel());
+  run.pixels = run.rays.eye / uint64_t(samples > 0 ? int(samples) : settings.samples_per_pixel());
   return run;
 }
 

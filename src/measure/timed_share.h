@@ -33,10 +33,15 @@ struct TimedRun {
   uint64_t pixels = 0;  // that were rendered
 };
 
-/// Renders every `share`th tile; nothing if stopped. The error is make_film()'s.
+/// The options of the picture itself, without view and channels.
+RenderOptions sampled_options(RenderOptions options);
+
+/// Renders every `share`th tile, with so many samples per pixel (0: all); nothing if stopped. The
+/// error is make_film()'s.
 std::expected<std::optional<TimedRun>, Error> render_share(const Scene& scene, const Accel& accel,
                                                            const RenderSettings& settings,
-                                                           uint32_t share, WorkControl& control);
+                                                           uint32_t share, WorkControl& control,
+                                                           uint32_t samples = 0);
 
 /// Enough tiles per thread for all threads to end at about the same time.
 inline constexpr size_t kTilesPerThread = 8;

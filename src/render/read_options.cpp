@@ -26,7 +26,7 @@ constexpr OptionValue<ReadOptions> kSelection = {
       if (auto why = selection_problem(text); !why.empty()) return std::unexpected(std::move(why));
       return kReadValue<member>.set(o, spec, text);
     },
-    kReadValue<member>.text};
+    kReadValue<member>.text, kReadValue<member>.reset};
 
 constexpr auto kColorRange = kReadValue<&ReadOptions::color_range>;
 constexpr auto kAssembly = kReadValue<&ReadOptions::assembly>;
@@ -64,7 +64,8 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
            "Colour map for numbers: viridis, plasma, cividis or coolwarm",
            kReadValue<&ReadOptions::colormap>, usual("viridis"), one_of(kColormaps)),
     option(figures, "color-range", "LO,HI", "Values at the two ends of the colour map",
-           OptionValue<ReadOptions>{OptionType::list, set_color_range, kColorRange.text},
+           OptionValue<ReadOptions>{OptionType::list, set_color_range, kColorRange.text,
+                                    kColorRange.reset},
            usual("the smallest and the largest")),
     option(figures, "radius", "R",
            "Radius of points without one and of space-filling atoms; ball-and-stick uses 0.27 of "
@@ -78,7 +79,7 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
            kReadValue<&ReadOptions::smooth>, usual("40; 0 for glTF, as its specification says"),
            range(0, 180, "degrees")),
     option(input, "assembly", "N|none", "Biological assembly of a molecule",
-           OptionValue<ReadOptions>{OptionType::text, set_assembly, assembly_text},
+           OptionValue<ReadOptions>{OptionType::text, set_assembly, assembly_text, kAssembly.reset},
            usual("1 for space-filling, if the file has one")),
     option(input, "atom-style", "NAME", "Atom style of a LAMMPS data file, such as full",
            kReadValue<&ReadOptions::atom_style>,

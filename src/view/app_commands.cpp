@@ -1,11 +1,20 @@
 // The commands of keys, buttons and clicks.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <utility>
 
 #include "view/app_state.h"
 #include "view/camera_control.h"
+#include "view/projection.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
+namespace {
+
+constexpr double kDoubleClick = 0.35;  // seconds
+
+}  // namespace
 
 void AppState::obey(const KeySpec& key) {
   switch (key.command) {
@@ -26,14 +35,15 @@ void AppState::obey(const KeySpec& key) {
     case Command::pause:
       return switch_pause();
     case Command::panel:
-      view.panel = !view.panel;
-      return say(view.panel ? tr("panel shown") : tr("panel hidden; h shows it"));
+      return switch_panel();
     case Command::boxes:
       view.boxes.shown = !view.boxes.shown;
       return say(view.boxes.shown ? tr("boxes of the structure shown")
                                   : tr("boxes of the structure hidden"));
     case Command::inspect:
       return switch_picking();
+    case Command::focus:
+      return switch_focusing();
     case Command::theme:
       return switch_look(&Theme::light);
     case Command::projector:
@@ -48,7 +58,7 @@ void AppState::obey(const KeySpec& key) {
                          tr("measuring grids from coarse to fine; n stops"));
     case Command::fit:
       say(tr("the scene fits"));
-      return move_camera(fitted(view.camera, bounds(*view.scene), stage.aspect()));
+      return move_camera(fit());
     case Command::home:
       say(tr("the scene's own camera"));
       return move_camera(view.own_camera());
@@ -67,7 +77,7 @@ void AppState::obey(const KeySpec& key) {
     case Command::redo:
       return go_back(key.command == Command::undo);
     case Command::copy:
-      return copy_command();
+      return copy_command(command_line(view.scene->name + ".png"));
     case Command::save_png:
     case Command::save_exr:
       to_save_ = key.command == Command::save_png ? ".png" : ".exr";
@@ -88,17 +98,72 @@ void AppState::obey(const KeySpec& key) {
   }
 }
 
-void AppState::finish(Gestures::Done gesture) {
+void AppState::finish(Gestures::Done gesture, bool ctrl) {
   using enum Gestures::Done;
   if (gesture == nothing) return;
   const double x = gestures.x(), y = gestures.y();
-  if (gesture == click && !facts_.picks) return focus_on(pick_at(x, y));
+  if (gesture == click && !facts_.picks) {
+    const Pick under = pick_at(x, y);
+    if (focuses) return focus_on(under);
+    const bool is_second = facts_.now - std::exchange(last_click_, facts_.now) < kDoubleClick;
+    if (is_second && !ctrl) return choose_pivot(under);
+    return select(under, ctrl);
+  }
   const auto at = [&](double across, double down) {
     return ImVec2(float(stage.across(across)), float(stage.down(down)));
   };
   ask(request::Inspect{gesture == region ? at(gestures.from_x(), gestures.from_y()) : at(x, y),
                        at(x, y)});
-  if (!view.panel) say(tr("h shows the panel with the numbers"));
+  if (!has_panel()) say(tr("h shows the panel with the numbers"));
+}
+
+void AppState::select(const Pick& pick, bool more) {
+  if (!pick.hit.found()) {
+    if (!selection.empty()) say(tr("nothing is selected"));
+    return selection.clear();
+  }
+  selection.pick(pick, more);
+  view.chosen_material = int(pick.material);
+  const std::string measure = measured();
+  say(measure.empty() ? fmt::format("{}", fmt::join(selection.lines(*view.scene), ", ")) : measure);
+}
+
+void AppState::choose_pivot(const Pick& pick) {
+  last_click_ = -1;
+  view.pivot.reset();
+  if (!pick.hit.found()) return say(tr("turns as before"));
+  view.pivot = pick.place;
+  say(trf("turns about {}", pick.what));
+}
+
+void AppState::use_selection(SelectionUse use) {
+  if (use == SelectionUse::nothing || selection.empty()) return;
+  const Pick pick = selection.picks().back();
+  switch (use) {
+    case SelectionUse::focus:
+      return focus_on(pick);
+    case SelectionUse::turn:
+      return choose_pivot(pick);
+    case SelectionUse::inspect:
+      if (const auto at = Projection(shown_camera(), stage).point(pick.point)) {
+        const ImVec2 place(float(stage.across(at->x)), float(stage.down(at->y)));
+        if (place.x >= 0 && place.x < 1 && place.y >= 0 && place.y < 1)
+          return ask(request::Inspect{place, place});
+      }
+      return say(tr("it is outside of the picture"));
+    default:
+      selection.clear();
+      return refresh();
+  }
+}
+
+void AppState::switch_focusing() {
+  if (view.path.empty()) return;
+  if (view.camera.is_parallel()) return say(tr("parallel rays have no lens"));
+  focuses = !focuses;
+  say(focuses ? tr("click what shall be sharp; the wheel sets the aperture; e ends it")
+              : tr("focus tool off"));
+  renew_other(0);
 }
 
 void AppState::switch_effect(Command effect) {
@@ -110,10 +175,16 @@ void AppState::switch_effect(Command effect) {
   if (renew()) say(comparison_.begin(what, picture.get(), request_before));
 }
 
+void AppState::switch_panel() {
+  bool& shown = is_narrow() ? covers_ : view.panel;
+  shown = !shown;
+  say(shown ? tr("panel shown") : tr("panel hidden; h shows it"));
+}
+
 void AppState::switch_pause() {
   view.paused = !view.paused;
   if (measuring == Measuring::Work::costs) cancel_measuring(), costs_are_old = true;
-  ask(request::Pause{view.paused || is_holding_});
+  ask(request::Pause{view.paused});
   say(view.paused ? tr("paused") : tr("resumed"));
 }
 
@@ -147,15 +218,18 @@ void AppState::move_camera(const Camera& camera) {
   renew();
 }
 
+Camera AppState::fit() const {
+  Camera camera = fitted(shown_camera(), bounds(*view.scene), stage.aspect());
+  camera.fov_deg = view.camera.fov_deg;
+  return camera;
+}
+
 void AppState::focus_on(const Pick& pick) {
   if (!pick.hit.found()) return say(tr("nothing there to focus on"));
   if (view.camera.is_parallel()) return say(tr("parallel rays have no lens"));
   view.focus_on(pick.point);
-  view.chosen_material =
-      int(baked()->accel->geometry().material_of(pick.hit.primitive, pick.hit.instance));
   show_focus();
-  say(trf("focus on {}, distance {:.6g}; while the colours show, the wheel sets the aperture",
-          pick.what, view.options.focus));
+  say(trf("focus on {}, distance {:.6g}", pick.what, view.options.focus));
   renew();
 }
 
@@ -165,11 +239,10 @@ void AppState::close_inspector() {
   refresh();
 }
 
-void AppState::copy_command() {
-  const std::string command = command_line(view.scene->name + ".png");
+void AppState::copy_command(const std::string& command) {
   ask(request::CopyText{command});
   log("command: " + command);
-  say(view.scene == saved_scene
+  say(is_scene_of_file()
           ? trf("copied: {}", command)
           : trf("copied, but your changes are not in the file yet; Ctrl+S saves them: {}",
                 command));
@@ -186,9 +259,11 @@ void AppState::go_back(bool back) {
     return say(back ? tr("nothing to undo") : tr("nothing to redo"));
   ViewState next = back ? history.undo() : history.redo();
   next.paused = view.paused, next.panel = view.panel, next.boxes = view.boxes;
+  next.form = view.form, next.form.plays = false;
   // The file is the one last saved or opened.
-  next.path = view.path;
-  next.read_options = view.read_options;
+  if (next.path != view.path)
+    next.path = view.path, next.read_options = view.read_options, next.file = view.file;
+  wanted_read_.reset();
   view = std::move(next);
   moving_until_ = 0;
   say(back ? tr("undone") : tr("redone"));
@@ -200,6 +275,10 @@ bool AppState::leave() {
     ask(request::CloseDialogs{});
   else if (facts_.inspects || facts_.picks)
     close_inspector();
+  else if (focuses)
+    switch_focusing();
+  else if (!selection.empty())
+    selection.clear();
   else if (facts_.full_screen)
     ask(request::SetFullScreen{false});
   else

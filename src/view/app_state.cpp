@@ -14,7 +14,7 @@
 namespace raio::core::view {
 namespace {
 
-constexpr double kFrameSeconds = 0.024;   // of rendering; drawing takes the rest of a 30th
+constexpr double kFrameSeconds = 0.038;   // of rendering; drawing takes the rest of a 20th
 constexpr double kDrawGapSeconds = 0.03;  // between drawings without a new picture
 constexpr double kRestSeconds = 0.15;     // after the last movement
 constexpr double kBeforeCosts = 0.8;      // of rest, before costs are measured
@@ -25,17 +25,14 @@ std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v
 
 }  // namespace
 
-AppState::AppState(ViewState first_view, const RenderOptions& first, const event::Resized& opened,
-                   const Theme& first_look, std::vector<std::string> warnings_of_file)
+AppState::AppState(ViewState first_view, const RenderOptions& first, const Theme& first_look,
+                   std::vector<std::string> warnings_of_file)
     : view(std::move(first_view)),
       history(view),
       saved_scene(view.scene),
       look(first_look),
       gestures(view, stage, [this](double x, double y) { return pick_at(x, y); }),
-      warnings(std::move(warnings_of_file)),
-      opened_(opened),
-      first_width_(view.path.empty() ? 0 : first.width),
-      first_height_(view.path.empty() ? 0 : first.height) {
+      warnings(std::move(warnings_of_file)) {
   stage.picture_width = first.width, stage.picture_height = first.height;
 }
 
@@ -50,19 +47,29 @@ bool AppState::is_waiting() const {
 }
 
 bool AppState::is_covered() const {
-  return view.path.empty() || (facts_.has_dialog && facts_.over_controls);
+  return view.path.empty() || (facts_.over_controls && (facts_.has_dialog || covers_));
 }
 
 Pick AppState::pick_at(double x, double y) const {
   if (!baked() || baked()->scene != view.scene) return {};
-  return pick(*baked()->accel, view.edge_to_edge(stage.picture_height), stage.across(x),
-              stage.down(y), stage.aspect());
+  return pick(*baked()->accel, shown_camera(), stage.across(x), stage.down(y), stage.aspect(),
+              view.file.get());
 }
 
 ReadOut AppState::under_cursor() const {
   if (is_covered() || gestures.is_busy() || is_waiting() || is_moving()) return {};
   const double x = gestures.x(), y = gestures.y();
   return read_out(view, *picture, stage.across(x), stage.down(y), pick_at(x, y));
+}
+
+std::string AppState::measured() const {
+  return selection.measure(view.file ? view.file->unit : "");
+}
+
+std::vector<std::string> AppState::selection_lines() const {
+  std::vector<std::string> lines = selection.lines(*view.scene);
+  if (const std::string measure = measured(); !measure.empty()) lines.push_back(measure);
+  return lines;
 }
 
 std::string AppState::command_line(const std::string& output) const {
@@ -93,7 +100,6 @@ bool AppState::renew() {
   ask(request::Render{{view.scene, o, frame_s}});
   ++request;
   requested_at = facts_.now;
-  facts_.sessions_idle = false;
   if (!moved_) log(fmt::format("request: {}", request));
   cancel_measuring();
   costs_are_old = true;
@@ -114,7 +120,6 @@ void AppState::renew_other(double frame_s) {
       wanted == focus ? shown.request(width, height) : shown.other_request(width, height);
   if (option_conflict(o, view.scene.get())) return;
   ask(request::RenderOther{SessionRequest{view.scene, o, frame_s}, is_new});
-  facts_.sessions_idle = false;
 }
 
 void AppState::camera_moved() {
@@ -123,7 +128,9 @@ void AppState::camera_moved() {
 }
 
 void AppState::settle() {
-  if (!is_moving() && !gestures.is_busy() && !facts_.control_held) history.settle(view);
+  if (!is_moving() && !gestures.is_busy() && !facts_.control_held && !is_reading() &&
+      !view.form.plays && history.settle(view))
+    limit_history();
 }
 
 void AppState::show_focus() { focus_until_ = facts_.now + kFocusSeconds; }
@@ -148,7 +155,7 @@ void AppState::on(const event::MouseButton& e) {
   if (e.down)
     gestures.press(which, e.shift, facts_.inspects || facts_.picks);
   else
-    finish(gestures.release(which));
+    finish(gestures.release(which), e.ctrl);
 }
 
 void AppState::on(const event::CursorMoved& e) {
@@ -159,7 +166,7 @@ void AppState::on(const event::CursorMoved& e) {
 void AppState::on(const event::Scrolled& e) {
   refresh();
   if (is_covered() || !stage.contains(gestures.x(), gestures.y())) return;
-  if ((e.ctrl || shows_focus()) && !view.camera.is_parallel()) {
+  if ((e.ctrl || focuses) && !view.camera.is_parallel()) {
     view.scale_aperture(float(exact_pow(1.1, e.steps)));
     if (!view.is_on(Command::depth_of_field)) (void)view.toggle(Command::depth_of_field);
     show_focus();
@@ -170,18 +177,13 @@ void AppState::on(const event::Scrolled& e) {
   }
 }
 
-// The picture has its initial size while the window has its own, including the panel; otherwise it
-// fills the available room.
 void AppState::on(const event::Resized& e) {
-  layout = Layout(e.width, e.height, e.em, view.panel && !view.path.empty());
-  const float unit = 1 / e.pixels_per_unit;
-  const bool follows = !view.panel || e.width != opened_.width || e.height != opened_.height ||
-                       layout.picture.width() < std::floor(float(first_width_) * unit) ||
-                       layout.picture.height() < std::floor(float(first_height_) * unit);
-  const auto wanted = [&](int given, int first) { return given > 0 ? given : follows ? 0 : first; };
-  const Stage before = std::exchange(
-      stage, Stage(layout.picture, e.pixels_per_unit, wanted(view.options.width, first_width_),
-                   wanted(view.options.height, first_height_)));
+  size_ = e;
+  const bool wants_panel = !view.path.empty() && (is_narrow() ? covers_ : view.panel);
+  layout = Layout(e.width, e.height, e.em, wants_panel);
+  const auto [width, height] = view.wanted_size();
+  const Stage before =
+      std::exchange(stage, Stage(layout.picture, e.pixels_per_unit, width, height));
   if (stage.picture_width == before.picture_width && stage.picture_height == before.picture_height)
     return;
   log(fmt::format("size: {}x{}", stage.picture_width, stage.picture_height));
@@ -190,12 +192,20 @@ void AppState::on(const event::Resized& e) {
 
 void AppState::on(const event::ControlsUsed& e) {
   const ControlResult& did = e.did;
+  const bool other_costs = e.view.costs_of != view.costs_of;
   view = e.view;
   wants_costs_ = did.wants_costs;
+  const bool measures_costs = measuring == Measuring::Work::costs;
+  if (other_costs || (measures_costs && !wants_costs_)) {
+    if (measures_costs) cancel_measuring();
+    costs_are_old = true;
+  }
   if (did.open) ask(request::OpenFile{short_path(*did.open)});
   if (did.save) save_scene(*did.save);
   if (did.saves_curve) ask(request::WriteCurve{});
+  use_figure_panel(did.figure);
   for (const KeySpec* key : did.pressed) obey(*key);
+  use_selection(did.selection);
   if (!did.problem.empty()) complain(did.problem);
   if (!did.changed) return;
   if (did.dragging) return camera_moved();
@@ -234,6 +244,8 @@ void AppState::on(const event::Measured& e) {
 }
 
 void AppState::on(const SceneFile::Read& read) {
+  if (!is_wanted(read)) return;
+  if (!read.scene && read.is_reread) return refuse_reading(read);
   if (!read.scene) {
     // For another file they are reported once; the panel shows those of the current file.
     if (read.path == view.path) errors = read.scene.error();
@@ -242,18 +254,28 @@ void AppState::on(const SceneFile::Read& read) {
   settle();
   errors.clear();
   const bool is_other = read.path != view.path;
-  view.open(read.path, *read.scene);
+  if (is_other || read.options == read_options()) {
+    wanted_read_.reset();
+    view.form.option.clear();
+  }
+  if (is_other) view.form.plays = false;
+  view.open(read.path, *read.scene, read.options, read.file);
+  selection.clear();
   ask(request::ForgetMeasurements{});
   warnings = Warnings(read.warnings);
-  // A new version of the file is a step that can be undone; another scene is a new start.
+  // A new version of the file, or other options, are a step that can be undone; another scene is a
+  // new start.
   if (is_other) {
     ask(request::CloseInspector{});
-    view.read_options = kForPictures;
     history = History<ViewState>(view);
   }
   saved_scene = view.scene;
-  ask(request::FollowFile{read.path});
-  say(trf("opened {}", read.path));
+  if (!read.is_reread) {
+    ++file_version_;
+    ask(request::FollowFile{read.path});
+    say(trf("opened {}", read.path));
+  }
+  view.file_version = file_version_;
   renew();
 }
 
@@ -262,12 +284,21 @@ void AppState::on(const SceneWriter::Written& written) {
   if (!written.result) return complain(written.result.error().text("--"));
   settle();
   take_saved(view, written);
+  wanted_read_.reset(), view.form.plays = false;
+  ++file_version_;
   errors.clear();
   saved_scene = written.scene;
   ask(request::FollowFile{written.path, true});
   say(trf("saved the scene as {}", written.path) +
       (written.result->empty() ? "" : "; " + trf("lost: {}", *written.result)));
   renew();
+}
+
+void AppState::on(const event::Printed& e) {
+  is_printing_ = false;
+  const auto& result = e.written.result;
+  if (!result && result.error().kind == ErrorKind::stopped) return say(tr("stopped"));
+  on(e.written);
 }
 
 void AppState::on(const PictureWriter::Written& written) {
@@ -286,9 +317,10 @@ void AppState::on(const event::Tick&) {
   }
   if (other == Other::focus && !shows_focus()) renew_other(0), refresh();
   if (message.expire(now)) refresh();
+  play();
   settle();
   // Time passes while waiting for the first sample.
-  if (is_waiting() && now > last_draw_ + kWaitingSeconds) refresh();
+  if ((is_waiting() || is_reading()) && now > last_draw_ + kWaitingSeconds) refresh();
   save_when_whole();
   if (!is_moving() && !is_waiting() && warnings.find(*view.scene, *picture)) refresh();
   measure();
@@ -309,13 +341,7 @@ void AppState::draw() {
 void AppState::measure() {
   using enum Measuring::Work;
   if (measuring != none) return;
-  if (wanted_ == none && !may_measure_costs()) {
-    if (std::exchange(is_holding_, false)) ask(request::Pause{view.paused});
-    return;
-  }
-  // Whether they are idle is known only after they were paused.
-  if (!std::exchange(is_holding_, true)) return ask(request::Pause{true});
-  if (!facts_.sessions_idle) return;
+  if (wanted_ == none && !may_measure_costs()) return;
   measuring = wanted_ == none ? costs : std::exchange(wanted_, none);
   if (measuring == costs) {
     costs_are_old = false;

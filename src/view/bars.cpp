@@ -81,7 +81,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       {Icon::copy, key(Command::copy)},
       {Icon::theme, key(Command::theme), false, true, {}, {}, true},
       {Icon::full_screen, key(Command::full_screen), facts.full_screen},
-      {Icon::panel, key(Command::panel), state.panel},
+      {Icon::panel, key(Command::panel), facts.has_panel},
       {Icon::help, key(Command::help)},
   };
   tools[4].starts_group = true;
@@ -196,8 +196,6 @@ Status status_of(const StatusFacts& f) {
   }
   if (f.picture->finished) return {done, trf("Finished: {}", samples)};
   if (f.paused) return {paused, trf("Paused at {}; space resumes", samples)};
-  if (f.measuring == Measuring::Work::costs)
-    return {measuring, tr("Measuring the costs of effects; refinement waits")};
   const int most = f.picture->settings.samples_per_pixel();
   const double sample_s = f.picture->sample_s.median;
   const std::string so_far = trf("Refining: {} of {}", f.picture->samples,

@@ -14,7 +14,7 @@ namespace raio::core::view {
 struct ToolFacts {
   bool can_undo = false, can_redo = false;
   bool full_screen = false;
-  bool inspects = false;
+  bool inspects = false, has_panel = false;
 };
 
 /// Appends pressed tools to `pressed`, as if by their keys.

@@ -23,7 +23,7 @@ ControlResult Controls::draw(ViewState& state, const Layout& layout, const Contr
     const WelcomeResult welcome = draw_welcome(layout.picture, facts.welcome);
     result.open = welcome.open;
     if (welcome.asks) result.pressed.push_back(&key_of(Command::open));
-  } else if (state.panel && !facts.has_inspector) {
+  } else if (layout.panel.width() > 0 && !facts.has_inspector) {
     static_cast<PanelResult&>(result) = draw_panel(state, facts.panel, layout.panel);
   }
   draw_tool_bar(layout.tool_bar, state, facts.tools, result.pressed);

@@ -31,6 +31,9 @@ std::string text_of_progress(double done, double left_s) {
              : trf("{}, {} s left", percent, fmt::format("{:.{}f}", left_s, left_s < 9.95 ? 1 : 0));
 }
 
+// Half of the interval of a factor that says nothing, relative to the median.
+constexpr double kTooNoisy = 0.25;
+
 // "1.83 x", for counts that may be 0.
 std::string times(double with, double without) {
   return without > 0 ? app::three_digits(with / without) + " x" : app::human_count(with);
@@ -51,14 +54,23 @@ std::string count_line(const EffectCost& c) {
 }
 
 std::string factor_text(const EffectCost& c) {
-  const bool structure = c.effect == Effect::structure;
-  const double factor = structure ? 1 / c.factor.median : c.factor.median;
-  const std::string number = app::three_digits(factor);
-  return (structure ? trf("{} x faster", number) : number + " x") + text_of_spread(c.factor);
+  const std::string number = app::three_digits(c.factor.median);
+  return c.effect == Effect::structure ? trf("{} x faster", number) : number + " x";
+}
+
+std::string range_text(const EffectCost& c) {
+  return trf("{} to {} x", app::three_digits(c.factor.low), app::three_digits(c.factor.high));
 }
 
 std::string absence(EffectCost::Presence presence) {
-  return presence == EffectCost::not_in_scene ? tr("not in this scene") : tr("not in this picture");
+  switch (presence) {
+    case EffectCost::not_in_scene:
+      return tr("not in this scene");
+    case EffectCost::too_slow:
+      return tr("too slow without one to measure");
+    default:
+      return tr("not in this picture");
+  }
 }
 
 std::string seconds_line(const EffectCost& c) {
@@ -75,10 +87,9 @@ std::string details(const EffectCost& c) {
     if (s.has_steps) line += ", " + trf("{} tests, {} steps", s.rays.tests, s.rays.steps);
     return line;
   };
-  const std::string low = app::three_digits(c.factor.low), high = app::three_digits(c.factor.high);
   return fmt::format("{}\n{}\n{}\n{}", side(tr("with it"), c.with), side(tr("without"), c.without),
                      trf("counted on {} pixels; median of {} rounds,", c.pixels, c.rounds),
-                     trf("in nine of ten cases {} to {} x", low, high));
+                     trf("in nine of ten cases {}", range_text(c)));
 }
 
 }  // namespace
@@ -97,7 +108,8 @@ std::string text_of_progress(const MeasuringProgress& p) {
 std::string cost_line(const EffectCost& c) {
   const std::string_view name = tr(key_of(c.effect).help);
   if (c.presence != EffectCost::in_picture) return fmt::format("{}: {}", name, absence(c.presence));
-  return fmt::format("{}: {}; {}; {}", name, factor_text(c), seconds_line(c), count_line(c));
+  return fmt::format("{}: {}{}; {}; {}", name, factor_text(c), text_of_spread(c.factor),
+                     seconds_line(c), count_line(c));
 }
 
 void draw_statistics(const CostFacts& facts) {
@@ -143,12 +155,21 @@ void draw_statistics(const CostFacts& facts) {
   text(trf("scene {}, program {}", of_scene, of_program));
 }
 
-// Two bars per effect: the picture's time with it, and below, thinner, without it.
-void draw_costs(const CostFacts& facts) {
+// Two bars per effect: the time with it, and below, thinner, without it.
+void draw_costs(const CostFacts& facts, CostOf& of) {
+  const auto name = [](CostOf what) {
+    return what == CostOf::sample ? tr("of one sample of this picture")
+                                  : tr("of a picture as the 2018 report counts");
+  };
+  ImGui::SetNextItemWidth(-em());
+  if (ImGui::BeginCombo("##costs", name(of))) {
+    for (const CostOf what : {CostOf::sample, CostOf::report})
+      if (ImGui::Selectable(name(what), of == what)) of = what;
+    ImGui::EndCombo();
+  }
   const bool measures = facts.measuring == Measuring::Work::costs;
   if (measures)
-    text(fmt::format("{}: {}; {}", tr("measuring"), text_of_progress(facts.progress),
-                     tr("space stops")));
+    text(fmt::format("{}: {}", tr("measuring"), text_of_progress(facts.progress)));
   else if (facts.are_old)
     faint_text(facts.costs.effects.empty() ? tr("measured when idle")
                                            : tr("from before the last change; measured when idle"));
@@ -164,6 +185,7 @@ void draw_costs(const CostFacts& facts) {
   const float height = ImGui::GetFontSize(), width = ImGui::GetContentRegionAvail().x;
   ImDrawList& draw = *ImGui::GetWindowDrawList();
   for (const EffectCost& c : facts.costs.effects) {
+    if (c.presence == EffectCost::not_in_scene) continue;
     const KeySpec& key = key_of(c.effect);
     const std::string name = fmt::format("{}   {}: ", key.name, tr(key.help));
     if (c.presence != EffectCost::in_picture || c.rounds == 0) {
@@ -171,7 +193,9 @@ void draw_costs(const CostFacts& facts) {
       continue;
     }
     ImGui::BeginGroup();
-    text(fmt::format("{}{}{}", name, factor_text(c), c.finished || !measures ? "" : " ..."));
+    const bool is_noisy = c.finished && c.factor.half_width() > kTooNoisy;
+    text(name + (is_noisy ? trf("too noisy: {}", range_text(c)) : factor_text(c)) +
+         (c.finished || !measures ? "" : " ..."));
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const double scale = width / most(c.effect == Effect::structure);
     const auto length = [&](double seconds) { return float(seconds * scale); };
@@ -187,8 +211,10 @@ void draw_costs(const CostFacts& facts) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", details(c).c_str());
   }
   if (facts.costs.effects.empty()) return;
-  faint_text(tr("upper bar with it, lower without; 9 samples"));
-  faint_text(tr("per pixel with AA, 3 with DOF, 27 with both"));
+  faint_text(tr("upper bar with it, lower without"));
+  faint_text(facts.costs.of == CostOf::report
+                 ? tr("9 samples per pixel with AA, 3 with DOF, 27 with both")
+                 : tr("AA, soft shadows and DOF need many samples"));
 }
 
 bool draw_table(const CostFacts& facts) {

@@ -35,7 +35,8 @@ std::string progress_line(const SessionProgress& progress);
 std::string cost_line(const EffectCost& cost);
 
 void draw_statistics(const CostFacts& facts);
-void draw_costs(const CostFacts& facts);
+/// `of`: which costs, as chosen there.
+void draw_costs(const CostFacts& facts, CostOf& of);
 /// Returns whether its button, equivalent to the key, was pressed.
 bool draw_table(const CostFacts& facts);
 

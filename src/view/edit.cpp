@@ -69,7 +69,7 @@ std::optional<SceneWriter::Written> SceneWriter::poll() {
 
 void take_saved(ViewState& state, const SceneWriter::Written& written) {
   state.path = short_path(written.path);
-  state.read_options = kForPictures;
+  state.read_options = kForWindow, state.file = nullptr;
   if (state.scene == written.source) {
     state.scene = written.scene;
     // Now part of the scene; for data it belongs to the style.

@@ -32,7 +32,7 @@ struct KeyPressed {
 };
 struct MouseButton {
   int number = 0;  // GLFW's: left, right, middle
-  bool down = false, shift = false;
+  bool down = false, shift = false, ctrl = false;
 };
 /// In window units, as all positions.
 struct CursorMoved {
@@ -71,16 +71,20 @@ struct Measured {
   std::string said;  // empty after costs
   EffectCosts costs;
 };
+/// The end of request::PrintPicture.
+struct Printed {
+  PictureWriter::Written written;
+};
 /// Time has passed.
 struct Tick {};
 
 }  // namespace event
 
-using Event =
-    std::variant<event::Refresh, event::KeyPressed, event::MouseButton, event::CursorMoved,
-                 event::Scrolled, event::FileDropped, event::Resized, event::ControlsUsed,
-                 event::InspectorUsed, event::PictureTaken, event::Inspected, event::Measured,
-                 event::Tick, SceneFile::Read, SceneWriter::Written, PictureWriter::Written>;
+using Event = std::variant<event::Refresh, event::KeyPressed, event::MouseButton,
+                           event::CursorMoved, event::Scrolled, event::FileDropped, event::Resized,
+                           event::ControlsUsed, event::InspectorUsed, event::PictureTaken,
+                           event::Inspected, event::Measured, event::Printed, event::Tick,
+                           SceneFile::Read, SceneWriter::Written, PictureWriter::Written>;
 
 namespace request {
 
@@ -117,6 +121,10 @@ struct CloseInspector {};
 struct OpenFile {
   std::string path;
 };
+/// Of the scene's file, with these options.
+struct Reread {
+  ReadOptions options;
+};
 /// A file was opened (`saved`: written) and is the scene's from now on.
 struct FollowFile {
   std::string path;
@@ -129,6 +137,12 @@ struct WritePicture {
   std::shared_ptr<const SessionPicture> picture;
   std::string suffix;
 };
+/// Renders a picture of its own; of this scene, or else of the file.
+struct PrintPicture {
+  SharedScene scene;
+  RenderOptions options;
+};
+struct StopPrinting {};
 /// Of the inspected rays.
 struct WriteDrawing {
   std::string suffix;
@@ -153,13 +167,15 @@ struct Draw {};
 
 }  // namespace request
 
-using Request = std::variant<
-    request::Log, request::Render, request::RenderOther, request::Pause, request::Measure,
-    request::ForgetMeasurements, request::Inspect, request::FollowInspection, request::PickPixel,
-    request::WalkRay, request::CloseInspector, request::OpenFile, request::FollowFile,
-    request::SaveScene, request::WritePicture, request::WriteDrawing, request::WriteCurve,
-    request::AskForFile, request::CopyText, request::SetLook, request::SetFullScreen,
-    request::SwitchHelp, request::CloseDialogs, request::CloseWindow, request::Draw>;
+using Request =
+    std::variant<request::Log, request::Render, request::RenderOther, request::Pause,
+                 request::Measure, request::ForgetMeasurements, request::Inspect,
+                 request::FollowInspection, request::PickPixel, request::WalkRay,
+                 request::CloseInspector, request::OpenFile, request::Reread, request::FollowFile,
+                 request::SaveScene, request::WritePicture, request::PrintPicture,
+                 request::StopPrinting, request::WriteDrawing, request::WriteCurve,
+                 request::AskForFile, request::CopyText, request::SetLook, request::SetFullScreen,
+                 request::SwitchHelp, request::CloseDialogs, request::CloseWindow, request::Draw>;
 using Requests = std::vector<Request>;
 
 }  // namespace raio::core::view

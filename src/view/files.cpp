@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <new>
 #include <system_error>
 
 #include "app/warnings.h"
 #include "base/executor.h"
 #include "io/file.h"
-#include "io/scene_file.h"
 #include "render/picture.h"
 #include "render/render.h"
 #include "view/texts.h"
@@ -24,12 +24,8 @@ bool is_ready(const std::future<T>& future) {
 
 }  // namespace
 
-SceneFile::SceneFile(std::string path, ReadOptions options)
-    : path_(std::move(path)),
-      options_(std::move(options)),
-      read_(stamp(path_)),
-      seen_(read_),
-      next_look_(Clock::now() + kLook) {}
+SceneFile::SceneFile(std::string path)
+    : path_(std::move(path)), read_(stamp(path_)), seen_(read_), next_look_(Clock::now() + kLook) {}
 
 SceneFile::Stamp SceneFile::stamp(const std::string& path) {
   std::error_code error;
@@ -39,29 +35,36 @@ SceneFile::Stamp SceneFile::stamp(const std::string& path) {
   return {time, error ? 0 : size};
 }
 
-void SceneFile::open(std::string path) { waiting_ = std::move(path); }
-
 void SceneFile::follow(std::string path) {
-  path_ = std::move(path), options_ = {};
+  path_ = std::move(path), frames_ = nullptr;
   read_ = seen_ = stamp(path_);
 }
 
-void SceneFile::start(std::string path, int threads) {
-  const ReadOptions options = path == path_ ? options_ : kForPictures;
-  reading_ = std::async(std::launch::async, [this, path = std::move(path), options, threads] {
-    auto read = Executor(threads, &control_).run([&] { return read_scene(path, options); });
-    if (!read) return Read{path, std::unexpected(std::move(read.error())), {}};
-    std::vector<std::string> warnings;
-    for (const Diagnostic& d : read->notices) warnings.push_back(d.text());
-    return Read{path, std::make_shared<const Scene>(std::move(read->scene)), warnings};
+void SceneFile::start(Work work, int threads) {
+  auto frames = work.path == path_ ? frames_ : nullptr;
+  if (!frames) frames = std::make_shared<SceneFrames>(work.path);
+  reading_ = std::async(std::launch::async, [this, work = std::move(work), frames, threads] {
+    auto read = Executor(threads, &control_).run([&] { return frames->read(work.options); });
+    Read out{work.path, nullptr, {}, work.options, nullptr, work.is_reread};
+    if (!read) {
+      out.scene = std::unexpected(std::move(read.error()));
+      return std::pair(std::move(out), frames);
+    }
+    for (const Diagnostic& d : read->notices) out.warnings.push_back(d.text());
+    out.file = std::make_shared<const ReadScene>(*std::move(read));
+    out.scene = std::shared_ptr<const Scene>(out.file, &out.file->scene);
+    return std::pair(std::move(out), frames);
   });
 }
 
-std::optional<SceneFile::Read> SceneFile::poll(int threads) {
+std::optional<SceneFile::Read> SceneFile::poll(int threads, const ReadOptions& options) {
   if (is_ready(reading_)) {
-    Read read = reading_.get();
-    if (read.scene && read.path != path_) follow(read.path);
-    return read;
+    auto [read, frames] = reading_.get();
+    if (!read.scene) return std::move(read);
+    if (read.path != path_) follow(read.path);
+    // The text of a trajectory is worth its memory.
+    frames_ = read.file->frames > 1 ? std::move(frames) : nullptr;
+    return std::move(read);
   }
   if (reading_.valid()) return std::nullopt;
   if (waiting_) {
@@ -74,13 +77,13 @@ std::optional<SceneFile::Read> SceneFile::poll(int threads) {
   // A file that still changes, or is missing for a moment, is being written.
   const Stamp before = std::exchange(seen_, stamp(path_));
   if (seen_ != before || seen_ == read_) return std::nullopt;
-  read_ = seen_;
+  read_ = seen_, frames_ = nullptr;
   if (seen_ == Stamp()) {
     Diagnostic gone;
     gone.file = path_, gone.message = tr("the file is gone; the picture shows its last version");
-    return Read{path_, std::unexpected(Diagnostics{gone}), {}};
+    return Read{path_, std::unexpected(Diagnostics{gone}), {}, options};
   }
-  start(path_, threads);
+  start({path_, options}, threads);
   return std::nullopt;
 }
 
@@ -89,15 +92,15 @@ PictureWriter::~PictureWriter() {
 }
 
 void PictureWriter::write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
-                          std::string command) {
-  writing_.push_back(
-      std::async(std::launch::async,
-                 [image = std::move(image), path = std::move(path), metadata = std::move(metadata),
-                  command = std::move(command), executor = Executor(max_concurrency())] {
-                   return Written{path, command, executor.run([&] {
-                                    return write_picture({*image, {}, {}}, path, metadata);
-                                  })};
-                 }));
+                          std::string command, Overlay overlay) {
+  writing_.push_back(std::async(
+      std::launch::async, [image = std::move(image), path = std::move(path),
+                           metadata = std::move(metadata), command = std::move(command),
+                           overlay = std::move(overlay), executor = Executor(max_concurrency())] {
+        return Written{path, command, executor.run([&] {
+                         return write_picture({*image, {}, {}}, path, metadata, overlay);
+                       })};
+      }));
 }
 
 void PictureWriter::write(std::function<std::expected<std::string, std::string>()> make,
@@ -120,6 +123,33 @@ std::optional<PictureWriter::Written> PictureWriter::poll() {
     return written;
   }
   return std::nullopt;
+}
+
+void PrintJob::start(JobRequest request, std::string command) {
+  control_.stop = false;
+  running_ = std::async(std::launch::async,
+                        [this, request = std::move(request), command = std::move(command)] {
+                          PictureWriter::Written written{request.output, command, {}};
+                          try {
+                            RenderJob job(request, {}, &control_);
+                            written.result = job.prepare();
+                            if (written.result) written.result = job.run();
+                            if (written.result) written.result = job.write();
+                          } catch (const std::bad_alloc&) {
+                            written.result = std::unexpected(memory_error(request.output));
+                          }
+                          on_end_();
+                          return written;
+                        });
+}
+
+double PrintJob::share() const {
+  return control_.stage == core::Stage::rendering ? control_.share() : 0;
+}
+
+std::optional<PictureWriter::Written> PrintJob::poll() {
+  if (!is_ready(running_)) return std::nullopt;
+  return running_.get();
 }
 
 bool Warnings::find(const Scene& scene, const SessionPicture& picture) {

@@ -16,27 +16,38 @@
 #include "io/diagnostics.h"
 #include "io/image/image.h"
 #include "io/read_scene.h"
+#include "io/scene_file.h"
+#include "render/job.h"
+#include "render/picture.h"
 #include "render/session.h"
 #include "scene/scene.h"
+#include "view/state.h"
 
 namespace raio::core::view {
 
-/// Rereads a scene's file when it changes or returns, reports once that it is gone, and reads other
-/// files on request.
+/// Rereads a scene's file when it changes or returns, reports once that it is gone, and reads it
+/// with other options and other files on request.
 class SceneFile {
  public:
   struct Read {
     std::string path;
-    std::expected<std::shared_ptr<const Scene>, Diagnostics> scene;
-    std::vector<std::string> warnings;  // of a scene, one line each
+    std::expected<std::shared_ptr<const Scene>, Diagnostics> scene;  // that of `file`
+    std::vector<std::string> warnings;                               // of a scene, one line each
+    // NOLINTBEGIN(readability-redundant-member-init): so that some can be omitted
+    ReadOptions options = kForWindow;
+    std::shared_ptr<const ReadScene> file = {};
+    // NOLINTEND(readability-redundant-member-init)
+    bool is_reread = false;  // by reread()
   };
 
-  /// `path` has just been read; it is reread with these options.
-  SceneFile(std::string path, ReadOptions options);
+  /// `path` has just been read.
+  explicit SceneFile(std::string path);
   ~SceneFile() { control_.stop = true; }
 
   /// Reads another file, and follows it from then on if it is a scene.
-  void open(std::string path);
+  void open(std::string path) { waiting_ = {std::move(path), kForWindow}; }
+  /// Reads the same file with other options, instead of those requested before.
+  void reread(const ReadOptions& options) { waiting_ = {path_, options, true}; }
 
   /// The file's folder: where dialogs start.
   std::filesystem::path folder() const {
@@ -47,21 +58,26 @@ class SceneFile {
   void follow(std::string path);
 
   /// The result of reading, once. Checks the disk a few times per second, however often it is
-  /// called; reads with this many threads (0: all).
-  std::optional<Read> poll(int threads);
+  /// called; reads with this many threads (0: all), and a file that has changed with these options.
+  std::optional<Read> poll(int threads, const ReadOptions& options);
 
  private:
   using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
+  struct Work {
+    std::string path;
+    ReadOptions options;
+    bool is_reread = false;
+  };
   static Stamp stamp(const std::string& path);
-  void start(std::string path, int threads);
+  void start(Work work, int threads);
 
   std::string path_;
-  ReadOptions options_;  // of `path_`
   Stamp read_, seen_;
   Clock::time_point next_look_;
-  std::optional<std::string> waiting_;
+  std::optional<Work> waiting_;
+  std::shared_ptr<SceneFrames> frames_;  // of `path_`, if it has several
   WorkControl control_;
-  std::future<Read> reading_;
+  std::future<std::pair<Read, std::shared_ptr<SceneFrames>>> reading_;
 };
 
 /// Writes pictures.
@@ -76,7 +92,7 @@ class PictureWriter {
 
   /// `command`: the equivalent arguments of `raio render`.
   void write(std::shared_ptr<const Image> image, std::string path, Metadata metadata,
-             std::string command);
+             std::string command, Overlay overlay = {});
   /// Any other file, with bytes from `make`; its error is one line.
   void write(std::function<std::expected<std::string, std::string>()> make, std::string path,
              std::string command);
@@ -86,12 +102,34 @@ class PictureWriter {
   std::vector<std::future<Written>> writing_;
 };
 
+/// Renders a picture of its own and writes it, as `raio render` does.
+class PrintJob {
+ public:
+  /// `on_end` is called from the job's thread.
+  explicit PrintJob(std::function<void()> on_end) : on_end_(std::move(on_end)) {}
+  ~PrintJob() { stop(); }
+
+  /// Only if not is_busy(). `command`: the equivalent arguments of `raio render`.
+  void start(JobRequest request, std::string command);
+  void stop() { control_.stop = true; }
+  bool is_busy() const { return running_.valid(); }
+  /// The share of the work done, 0 to 1.
+  double share() const;
+  std::optional<PictureWriter::Written> poll();
+
+ private:
+  std::function<void()> on_end_;
+  WorkControl control_;
+  std::future<PictureWriter::Written> running_;  // awaited at destruction
+};
+
 /// The reader's warnings about the scene's file, and those about the current picture
 /// (render/warnings.h).
 class Warnings {
  public:
   Warnings() = default;
-  explicit Warnings(std::vector<std::string> of_file) : of_file_(std::move(of_file)) {}
+  explicit Warnings(std::vector<std::string> of_file)
+      : of_file_(std::move(of_file)), lines_(of_file_) {}
 
   /// Checks the first whole picture of each request; returns whether it did.
   bool find(const Scene& scene, const SessionPicture& picture);

@@ -34,16 +34,25 @@ void Gestures::press(Button button, bool shift, bool selects) {
     drag_ = Drag::select;
     return;
   }
-  const Pick under = pick_(x_, y_);
   const double distance = view_distance(state_.camera);
+  if (const auto point = state_.turning_point()) {
+    const double depth = dot(*point - Vec3d(state_.camera.from), CameraAxes(state_.camera).forward);
+    pivot_ = *point, depth_ = depth > 0 ? depth : distance;
+    return begin(shift);
+  }
+  const Pick under = pick_(x_, y_);
   // Points far behind the point looked at, such as ground at the horizon, would fling the scene
   // away: then dragging uses the point looked at.
   const bool is_near = under.hit.found() && under.depth <= kReach * distance;
   pivot_ = is_near ? under.point : Vec3d(state_.camera.at);
   depth_ = is_near ? under.depth : distance;
-  drag_ = button == Button::right             ? Drag::look
-          : button == Button::middle || shift ? Drag::pan
-                                              : Drag::orbit;
+  begin(shift);
+}
+
+void Gestures::begin(bool shift) {
+  drag_ = button_ == Button::right             ? Drag::look
+          : button_ == Button::middle || shift ? Drag::pan
+                                               : Drag::orbit;
 }
 
 Gestures::Done Gestures::release(Button button) {
@@ -62,15 +71,14 @@ bool Gestures::move(double x, double y) {
   x_ = x, y_ = y;
   if (drag_ == Drag::none || travelled_ <= kClickTravel) return false;
   Camera& camera = state_.camera;
-  const double view_rad = double(camera.fov_deg) * std::numbers::pi / 180;
+  const double view_rad = double(shown_camera().fov_deg) * std::numbers::pi / 180;
   switch (drag_) {
     case Drag::orbit:
       camera = orbited(camera, pivot_, -dx * std::numbers::pi, dy * std::numbers::pi);
       state_.follow_focus();
       return true;
     case Drag::pan:
-      camera = panned(camera, depth_, dx, -dy);
-      state_.follow_focus();
+      pan(dx, -dy);
       return true;
     case Drag::look:
       camera = looked(camera, dx * view_rad, -dy * view_rad);
@@ -86,6 +94,16 @@ bool Gestures::move(double x, double y) {
   return false;
 }
 
+Camera Gestures::shown_camera() const {
+  return state_.edge_to_edge(stage_.picture_width, stage_.picture_height);
+}
+
+void Gestures::pan(double right, double up) {
+  const Camera moved = panned(shown_camera(), depth_, right, up);
+  state_.camera.from = moved.from, state_.camera.at = moved.at;
+  state_.follow_focus();
+}
+
 bool Gestures::dolly(double steps) {
   if (!stage_.contains(x_, y_) || steps == 0) return false;
   const Pick under = pick_(x_, y_);
@@ -93,8 +111,7 @@ bool Gestures::dolly(double steps) {
   // If nothing is hit: towards a point at the distance of the point looked at.
   const CameraAxes axes(camera);
   const double distance = view_distance(camera);
-  const double fov = state_.edge_to_edge(stage_.picture_height).fov_deg;
-  const double tangent = exact_tan(fov * std::numbers::pi / 360);
+  const double tangent = exact_tan(double(shown_camera().fov_deg) * std::numbers::pi / 360);
   const Vec3d direction = axes.forward +
                           axes.right * ((2 * stage_.across(x_) - 1) * tangent * stage_.aspect()) +
                           axes.up * ((1 - 2 * stage_.down(y_)) * tangent);

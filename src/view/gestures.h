@@ -43,6 +43,10 @@ class Gestures {
  private:
   enum class Drag { none, orbit, pan, look, bar, select };
 
+  void begin(bool shift);
+  void pan(double right, double up);  // in picture heights
+  Camera shown_camera() const;
+
   ViewState& state_;
   const Stage& stage_;
   PickAt pick_;

@@ -169,23 +169,43 @@ void Inspection::cancel() {
 
 void Inspection::begin() {
   stop_ = false;
-  InspectionRequest request = *std::exchange(next_, std::nullopt);
-  if (const RenderSettings settings = settings_of(request);
-      !fits(request.baked, request, settings) && fits(baked_, request, settings))
-    request.baked = baked_;
-  working_ = std::async(std::launch::async, [this, request = std::move(request)] {
-    std::shared_ptr<const Inspected> found;
-    try {
-      found = Executor(request.options.threads).run([&] { return inspect(request, stop_); });
-    } catch (const std::bad_alloc&) {
-      auto failed = std::make_shared<Inspected>();
-      failed->request = request;
-      failed->error = Error{ErrorKind::no_resource, "", "not enough memory to inspect"};
-      found = failed;
-    }
-    on_news_();
-    return found;
-  });
+  working_ = std::async(
+      std::launch::async,
+      [this, last = baked_, request = *std::exchange(next_, std::nullopt)]() mutable {
+        std::shared_ptr<const Inspected> found;
+        const auto fail = [&](std::string why) {
+          auto failed = std::make_shared<Inspected>();
+          failed->request = request;
+          failed->error = Error{ErrorKind::no_resource, "", std::move(why)};
+          found = failed;
+        };
+        try {
+          if (std::string wrong = flatten(request); !wrong.empty()) {
+            fail(std::move(wrong));
+          } else {
+            if (const RenderSettings settings = settings_of(request);
+                !fits(request.baked, request, settings) && fits(last, request, settings))
+              request.baked = last;
+            found = Executor(request.options.threads).run([&] { return inspect(request, stop_); });
+          }
+        } catch (const std::bad_alloc&) {
+          fail("not enough memory to inspect");
+        }
+        on_news_();
+        return found;
+      });
+}
+
+// The terms and steps of a ray name primitives of the scene, like `raio explain`.
+std::string Inspection::flatten(InspectionRequest& request) {
+  if (request.scene->instances.empty()) return {};
+  if (copied_ != request.scene) {
+    auto flat = std::make_shared<Scene>(*request.scene);
+    if (std::string wrong = flatten_instances(*flat); !wrong.empty()) return wrong;
+    copied_ = request.scene, flat_ = std::move(flat);
+  }
+  request.scene = flat_;
+  return {};
 }
 
 std::shared_ptr<const Inspected> Inspection::poll() {

@@ -100,11 +100,14 @@ class Inspection {
 
  private:
   void begin();
+  // Replaces a scene with instances by one with primitives; returns the error. By the worker.
+  std::string flatten(InspectionRequest& request);
 
   std::function<void()> on_news_;
   std::atomic<bool> stop_ = false;
   std::optional<InspectionRequest> next_;
-  std::shared_ptr<const BakedScene> baked_;  // of the last request, for the next
+  std::shared_ptr<const BakedScene> baked_;     // of the last request, for the next
+  std::shared_ptr<const Scene> copied_, flat_;  // the worker's: the last one with instances, flat
   std::future<std::shared_ptr<const Inspected>> working_;
 };
 

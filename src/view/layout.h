@@ -19,9 +19,12 @@ struct Rect {
 };
 
 inline constexpr float kToolBarEms = 2.8f, kStatusEms = 1.9f, kPanelEms = 21;
+/// Of a window with the panel beside the picture: 700 units with the usual type.
+inline constexpr float kLeastWidthEms = 140.0f / 3;
 
 /// The tool bar at the top and the status line at the bottom span the window; the panel is at the
-/// right between them; the picture has the rest. Their sizes depend only on the text height, so
+/// right between them; the picture has the rest. In a narrow window, the panel covers the right of
+/// the picture. Their sizes depend only on the text height, so
 /// their contents never move the picture. In a window that is too small, the picture keeps one
 /// unit.
 struct Layout {
@@ -31,11 +34,13 @@ struct Layout {
   Layout(float width, float height, float em, bool has_panel) {
     const float top = std::min(kToolBarEms * em, height / 2);
     const float bottom = std::max(height - kStatusEms * em, top + 1);
-    const float right = std::max(has_panel ? width - kPanelEms * em : width, 1.0f);
+    const float left = std::max(width - kPanelEms * em, 1.0f);
+    const bool is_beside = has_panel && width >= kLeastWidthEms * em;
+    const float right = is_beside ? left : width;
     tool_bar = {0, 0, width, float(int(top))};
     status = {0, float(int(bottom)), width, height};
     picture = {0, tool_bar.bottom, float(int(right)), status.top};
-    panel = {picture.right, picture.top, width, picture.bottom};
+    panel = {has_panel ? float(int(left)) : width, picture.top, width, picture.bottom};
   }
 };
 

@@ -94,14 +94,10 @@ ReadOut value_of(const ViewState& state, const Pick& pick, const Accel* accel, c
   return {};
 }
 
-std::string what_is_there(const Pick& pick, const Accel* accel) {
+std::string what_is_there(const Pick& pick) {
   if (!pick.hit.found()) return tr("background");
   std::string text = pick.what;
-  if (accel) {
-    const Geometry& geometry = accel->geometry();
-    if (const uint32_t object = geometry.object_of(pick.hit.primitive, pick.hit.instance))
-      text += " \xc2\xb7 " + geometry.scene().object_names[object - 1];
-  }
+  if (!pick.object.empty()) text += " \xc2\xb7 " + pick.object;
   return text + " \xc2\xb7 " + trf("distance {:.4g}", pick.depth);
 }
 
@@ -159,7 +155,7 @@ ReadOut read_out(const ViewState& state, const Pick& pick, const Accel* accel, c
                  int picture_height) {
   ReadOut out = value_of(state, pick, accel, color, picture_height);
   if (!out.text.empty()) out.text += " \xc2\xb7 ";
-  out.text += what_is_there(pick, accel);
+  out.text += what_is_there(pick);
   return out;
 }
 

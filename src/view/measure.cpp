@@ -13,16 +13,16 @@
 namespace raio::core::view {
 namespace {
 
-// For drawing news: nothing is timed meanwhile.
+// For drawing: nothing is timed meanwhile.
 constexpr std::chrono::milliseconds kDrawTime(40);
+constexpr std::chrono::milliseconds kPollTime(2);
 
 // The options of the state, including those of disabled effects.
 RenderOptions options_of(const ViewState& state, int width, int height) {
   RenderOptions o = state.options;
-  set_camera(o, state.camera, *state.scene);
+  set_camera(o, state.shown_camera(width, height), *state.scene);
   o.width = width, o.height = height;
-  // The keys leave the number of samples open, which counts as one.
-  if (o.aa == 0 && o.samples == 0 && state.endless()) o.samples = kRefineSamples;
+  if (o.samples == 0 && state.endless()) o.samples = kRefineSamples;
   return o;
 }
 
@@ -77,11 +77,14 @@ void Measuring::start(Work work, int threads, std::function<std::string()> measu
   }
   news_ = true;
   thread_ = std::thread([this, threads, measure = std::move(measure)] {
+    started_ = Clock::now(), given_s_ = 0;
+    take_machine();
     try {
       error_ = Executor(threads).run(measure);
     } catch (const std::bad_alloc&) {
       error_ = "out of memory";
     }
+    others_.hold(false);
     done_ = true;
     on_news_();
   });
@@ -92,17 +95,40 @@ Measuring::~Measuring() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Called from the measuring thread.
+// The last picture of the sessions is drawn before anything is timed.
+void Measuring::take_machine() {
+  others_.hold(true);
+  while (!others_.are_idle() && !control_.stop) std::this_thread::sleep_for(kPollTime);
+  std::this_thread::sleep_for(kDrawTime);
+  taken_ = Clock::now();
+}
+
+// The sessions get as much time as the measurement has had; if they are at rest, only the news is
+// drawn.
+void Measuring::give_machine() {
+  const auto given = Clock::now();
+  const auto end = given + std::max<Clock::duration>(given - taken_, kDrawTime);
+  others_.hold(false);
+  std::this_thread::sleep_for(kDrawTime);
+  while (Clock::now() < end && !others_.are_idle() && !control_.stop)
+    std::this_thread::sleep_for(kPollTime);
+  take_machine();
+  given_s_ += std::chrono::duration<double>(taken_ - given).count();
+}
+
+// Called from the measuring thread. What is left takes longer by the others' share.
 template <class Change>
 void Measuring::show(Change&& change) {
   {
     const std::lock_guard lock(mutex_);
     if (control_.stop) return;
     change(found_);
+    const double passed_s = seconds_since(started_);
+    found_.progress.left_s *= passed_s / std::max(passed_s - given_s_, 0.1 * passed_s);
   }
   news_ = true;
   on_news_();
-  std::this_thread::sleep_for(kDrawTime);
+  give_machine();
 }
 
 std::optional<std::string> Measuring::poll() {
@@ -122,8 +148,8 @@ std::optional<std::string> Measuring::poll() {
 void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedScene> baked,
                             int width, int height) {
   start(Work::costs, state.options.threads,
-        [this, scene = state.scene, options = options_of(state, width, height),
-         baked = std::move(baked)] {
+        [this, what = state.costs_of, scene = state.scene,
+         options = options_of(state, width, height), baked = std::move(baked)] {
           const auto take = [this](const EffectCosts& costs) {
             show([&](Found& found) {
               found.costs = costs;
@@ -132,7 +158,9 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
           };
           // A view of steps has a structure that counts them, which takes longer.
           std::shared_ptr<const Accel> accel = baked->accel;
-          const RenderSettings s = resolve_options(timed_options(options, *scene), *scene);
+          const RenderSettings s = resolve_options(
+              what == CostOf::report ? timed_options(options, *scene) : sampled_options(options),
+              *scene);
           if (baked->options.counters && !s.accel.counters) {
             auto built = Executor(s.threads, &control_).run([&] {
               return build_accel(*scene, s.accel, s.one_sided);
@@ -141,7 +169,7 @@ void Measuring::start_costs(const ViewState& state, std::shared_ptr<const BakedS
             if (!built) return with_settings(built.error().message, "");
             accel = std::move(*built);
           }
-          const auto costs = measure_effects(*scene, *accel, options, control_, take);
+          const auto costs = measure_effects(*scene, *accel, options, what, control_, take);
           return costs ? std::string() : with_settings(costs.error().message, "");
         });
 }

@@ -1,5 +1,5 @@
-// Measures the costs of effects in a separate thread. Sessions must rest: the caller has paused
-// them and waited until they are idle.
+// Measures the costs of effects in a separate thread. The sessions and the measurement take turns:
+// nothing else works while a run is timed, and the picture refines in between.
 #pragma once
 
 #include <array>
@@ -32,9 +32,15 @@ struct MeasuringProgress {
 
 class Measuring {
  public:
+  /// The sessions, for the measuring thread.
+  struct Others {
+    std::function<void(bool)> hold;  // makes them pause, or go on
+    std::function<bool()> are_idle;
+  };
   /// `on_news` is called from the measuring thread when there is something to show, at a moment
   /// when nothing is timed.
-  explicit Measuring(std::function<void()> on_news) : on_news_(std::move(on_news)) {}
+  Measuring(Others others, std::function<void()> on_news)
+      : others_(std::move(others)), on_news_(std::move(on_news)) {}
   ~Measuring();
   Measuring(const Measuring&) = delete;
   Measuring& operator=(const Measuring&) = delete;
@@ -80,7 +86,11 @@ class Measuring {
   void show(Change&& change);
   void show_step(const BenchmarkStep& step);
   void forget_costs();
+  // Called from the measuring thread.
+  void take_machine();
+  void give_machine();
 
+  Others others_;
   std::function<void()> on_news_;
   WorkControl control_;
   std::atomic<bool> done_ = false, news_ = false;
@@ -88,6 +98,9 @@ class Measuring {
   RenderOptions curve_options_;
   std::shared_ptr<const Scene> curve_scene_;
   std::string error_;  // the thread's, until done_
+  // The thread's: when it took the machine, and how long it has left it to the sessions.
+  Clock::time_point taken_, started_;
+  double given_s_ = 0;
   // The thread's, for a table: the start of the step, what it is, and the time per sample with its
   // structure.
   Clock::time_point step_start_;

@@ -1,5 +1,7 @@
 #include "view/memory.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
@@ -47,6 +49,11 @@ Memory recall(const fs::path& file) {
     if (line == "projector") memory.look.projector = true;
     if (line == "language en") memory.language = Language::english;
     if (line == "language pt") memory.language = Language::portuguese;
+    if (line.starts_with("section ")) memory.sections.insert(line.substr(8));
+    if (line == "costs as reported") memory.costs_as_reported = true;
+    if (line == "no panel") memory.panel = false;
+    if (line.starts_with("size "))
+      std::istringstream(line.substr(5)) >> memory.width >> memory.height;
     if (line.starts_with("recent ") && memory.recent.size() < kMaxRecent &&
         fs::exists(line.substr(7), ignored))
       memory.recent.push_back(line.substr(7));
@@ -61,6 +68,11 @@ void remember(const Memory& memory, const fs::path& file) {
   if (memory.look.projector) text += "projector\n";
   if (memory.language)
     text += *memory.language == Language::portuguese ? "language pt\n" : "language en\n";
+  if (memory.width > 0 && memory.height > 0)
+    text += fmt::format("size {} {}\n", memory.width, memory.height);
+  if (!memory.panel) text += "no panel\n";
+  if (memory.costs_as_reported) text += "costs as reported\n";
+  for (const std::string& name : memory.sections) text += "section " + name + "\n";
   for (const std::string& path : memory.recent)
     if (path.find('\n') == std::string::npos) text += "recent " + path + "\n";
   std::error_code ignored;
@@ -79,6 +91,12 @@ void MemoryKeeper::looks(const Theme& look, Language now) {
   if (std::exchange(language_, now) != now) next.language = now;
   if (next == memory_) return;
   memory_ = std::move(next);
+  remember(memory_, memory_file());
+}
+
+void MemoryKeeper::closed(const Memory& now) {
+  if (now == memory_) return;
+  memory_ = now;
   remember(memory_, memory_file());
 }
 

@@ -1,9 +1,10 @@
-// The window's settings that outlast a run: its appearance and recent scenes. A small text file in
-// the user's state folder; everything works without it.
+// The window's settings that outlast a run: its appearance, its size and recent scenes. A small
+// text file in the user's state folder; everything works without it.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,10 @@ struct Memory {
   Theme look;
   std::optional<Language> language;  // none: never chosen
   std::vector<std::string> recent;   // absolute paths, the newest first
+  int width = 0, height = 0;         // of the window, in its units; 0: never closed
+  bool panel = true;
+  bool costs_as_reported = false;  // CostOf::report
+  std::set<std::string> sections;  // switched_sections() in panel_parts.h
 
   /// Moves a scene to the head of the list, and drops the oldest.
   void opened(const std::string& path);
@@ -42,6 +47,8 @@ class MemoryKeeper {
   void opened(const std::string& path);
   /// Stores a language once it has been changed.
   void looks(const Theme& look, Language now);
+  /// The window's size and layout, which change too often to be written at once.
+  void closed(const Memory& now);
 
  private:
   Memory memory_;

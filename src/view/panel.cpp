@@ -41,12 +41,17 @@ void draw_roughness(ViewState& state, Command effect, PanelResult& result) {
   ImGui::PopID();
 }
 
-// A click is equivalent to the key.
+bool is_in_scene(const ViewState& state, Command effect) {
+  const RenderSettings settings = resolve_options(state.options, *state.scene);
+  return core::is_in_scene(effect_of(effect), *state.scene, settings.fresnel);
+}
+
+// Those that the scene has. A click is equivalent to the key.
 void draw_effects(ViewState& state, PanelResult& result) {
   ImGui::PushID("effects");  // some have the same names as options
   for (const KeySpec& key : key_table()) {
     if (key.command > Command::refraction) break;
-    if (key.command == Command::structure) continue;
+    if (key.command == Command::structure || !is_in_scene(state, key.command)) continue;
     bool on = state.is_on(key.command);
     if (ImGui::Checkbox(tr(key.help), &on)) result.pressed.push_back(&key);
     key_cap(key.name);
@@ -70,8 +75,13 @@ void draw_head(const ViewState& state, const PanelFacts& facts) {
   ImGui::PushFont(heading_font());
   text(scene.name);
   ImGui::PopFont();
-  faint_text(fmt::format("{}, {}", number_of(scene.primitive_count(), "primitive", "primitives"),
-                         number_of(scene.lights.size(), "light", "lights")));
+  const std::string light = state.is_figure() ? std::string(tr("lit by a sky"))
+                                              : number_of(scene.lights.size(), "light", "lights");
+  faint_text(facts.figure.waits
+                 ? std::string(tr("reading the file"))
+                 : fmt::format("{}, {}",
+                               number_of(scene.primitive_count(), "primitive", "primitives"),
+                               light));
   const size_t errors = facts.errors.size(), warnings = facts.warnings.size();
   if (errors + warnings == 0) return faint_text(tr("no warnings"));
   const Palette& p = palette();
@@ -127,6 +137,22 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
+// The selected primitive: facts, and what can be done with it.
+SelectionUse draw_selection(const PanelFacts& facts) {
+  SelectionUse use = SelectionUse::nothing;
+  for (const std::string& line : facts.selection) text(line);
+  const auto button = [&](const char* label, SelectionUse means) {
+    if (ImGui::Button(tr(label))) use = means;
+    ImGui::SameLine();
+  };
+  if (facts.can_focus) button("focus", SelectionUse::focus);
+  button("its rays", SelectionUse::inspect);
+  button("turn about it", SelectionUse::turn);
+  button("clear", SelectionUse::clear);
+  ImGui::NewLine();
+  return use;
+}
+
 // Whether an activity started within the last few frames. The size of a section is known one frame
 // later.
 bool has_just_begun(const char* what, bool goes_on) {
@@ -142,11 +168,17 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   PanelResult result;
   begin_panel("panel", where);
   draw_head(state, facts);
-  if (open_section("Effects", true)) draw_effects(state, result);
+  if (!facts.selection.empty() && open_section("Selection", true))
+    result.selection = draw_selection(facts);
+  if (!state.is_figure()) {
+    if (open_section("Effects", true)) draw_effects(state, result);
+  } else if (open_section("Figure", true)) {
+    result.changed |= draw_figure(state, facts.figure, result.figure, result.problem);
+  }
   if (open_section("Statistics", true)) draw_statistics(facts.costs);
   if (open_section("The structure's boxes", false)) draw_boxes(state, facts, result);
-  result.wants_costs = open_section("What each effect costs", true);
-  if (result.wants_costs) draw_costs(facts.costs);
+  result.wants_costs = open_section("What each effect costs", false);
+  if (result.wants_costs) draw_costs(facts.costs, state.costs_of);
   if (facts.costs.measuring == Measuring::Work::table) ImGui::SetNextItemOpen(true);
   if (open_section("All combinations of effects", false) && draw_table(facts.costs))
     result.pressed.push_back(&key_of(Command::measure));

@@ -6,6 +6,7 @@
 
 #include "io/diagnostics.h"
 #include "view/costs_panel.h"
+#include "view/figure_panel.h"
 #include "view/layout.h"
 #include "view/state.h"
 #include "view/structure_overlay.h"
@@ -20,7 +21,13 @@ struct PanelFacts {
   std::vector<std::string> warnings;  // of the scene, one line each
   Theme look;
   BoxFacts boxes;
+  FigureFacts figure;
+  std::vector<std::string> selection;  // lines about it; empty: nothing is selected
+  bool can_focus = true;               // the selection
 };
+
+/// What to do with the selected primitive.
+enum class SelectionUse { nothing, focus, inspect, turn, clear };
 
 /// User input in the panel.
 struct PanelResult {
@@ -29,6 +36,8 @@ struct PanelResult {
   bool dragging = false;                // still changing
   bool wants_costs = false;             // they are visible
   bool saves_curve = false;
+  FigureResult figure;
+  SelectionUse selection = SelectionUse::nothing;
   std::string problem;  // with the user's input
 };
 

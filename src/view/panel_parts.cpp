@@ -20,13 +20,23 @@ void begin_panel(const char* name, const Rect& where, bool scrolls) {
                                       color(palette().line));
 }
 
+std::set<std::string>& switched_sections() {
+  static std::set<std::string> names;
+  return names;
+}
+
 bool open_section(const char* name, bool at_first) {
   ImGui::Spacing();
   ImGui::PushFont(heading_font());
+  const bool begins_open = at_first != switched_sections().contains(name);
   // The name may be translated; the section's identity is not.
   const bool is_open = ImGui::CollapsingHeader(fmt::format("{}###{}", tr(name), name).c_str(),
-                                               at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+                                               begins_open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
   ImGui::PopFont();
+  if (is_open == at_first)
+    switched_sections().erase(name);
+  else
+    switched_sections().insert(name);
   return is_open;
 }
 

@@ -3,6 +3,7 @@
 
 #include <imgui.h>
 
+#include <set>
 #include <string>
 
 #include "view/layout.h"
@@ -23,6 +24,9 @@ inline void faint_text(const std::string& line) {
 
 /// Starts a panel that fills its area; ImGui::End() ends it. Without `scrolls`, parts of it may.
 void begin_panel(const char* name, const Rect& where, bool scrolls = true);
+
+/// The names of sections that the user has opened or closed against their default.
+std::set<std::string>& switched_sections();
 
 /// A heading that opens the content below; `name` is a key of the table of texts. Returns whether
 /// it is open.

@@ -22,9 +22,16 @@ void Pictures::request_other(const std::optional<SessionRequest>& request, bool 
   if (is_new) other.first_request = number;
 }
 
-void Pictures::pause(bool pause) const {
-  main.session->pause(pause);
-  other.session->pause(pause);
+void Pictures::pause(bool on) {
+  const std::lock_guard lock(mutex_);
+  paused_ = on;
+  for (const Side* side : {&main, &other}) side->session->pause(paused_ || held_);
+}
+
+void Pictures::hold(bool on) {
+  const std::lock_guard lock(mutex_);
+  held_ = on;
+  for (const Side* side : {&main, &other}) side->session->pause(paused_ || held_);
 }
 
 void Pictures::draw(const ViewState& state, const Stage& stage, Other shown, float split_at) const {

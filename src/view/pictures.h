@@ -2,6 +2,8 @@
 // last effect switched, or the focal plane over it.
 #pragma once
 
+#include <mutex>
+
 #include "render/session.h"
 #include "view/side.h"
 #include "view/stage.h"
@@ -22,12 +24,19 @@ class Pictures {
   /// `is_new`: pictures of earlier requests are of another kind. Nothing: the session rests.
   void request_other(const std::optional<SessionRequest>& request, bool is_new);
 
-  void pause(bool pause) const;
-  /// Whether no session is busy.
+  /// By the user.
+  void pause(bool on);
+  /// By a measurement, from its thread: as if paused.
+  void hold(bool on);
+  /// Whether no session is busy. Also from other threads.
   bool are_idle() const { return main.session->is_idle() && other.session->is_idle(); }
 
   /// `split_at`: the position of the bar between the two, 0 to 1.
   void draw(const ViewState& state, const Stage& stage, Other shown, float split_at) const;
+
+ private:
+  std::mutex mutex_;
+  bool paused_ = false, held_ = false;  // guarded by mutex_
 };
 
 /// One line at the bottom of the picture, for a while.

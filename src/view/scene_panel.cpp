@@ -31,11 +31,6 @@ bool number_field(const char* label, float& value, float least, float most) {
   return value != before;
 }
 
-// Figures are lit by a sky and have no lights, mirrors or glass.
-bool is_figure(const ViewState& state) {
-  return integrator_of(state.options, *state.scene) == IntegratorKind::ambient;
-}
-
 bool draw_camera(ViewState& state) {
   Camera camera = state.camera;
   // In the coordinates of the file.
@@ -103,8 +98,8 @@ void choose(const char* label, int& chosen, size_t count) {
 bool draw_lights(ViewState& state) {
   const auto& lights = state.scene->lights;
   bool changed = false;
-  if (is_figure(state)) faint_text(tr("Figures are lit by a sky instead."));
-  ImGui::BeginDisabled(is_figure(state));
+  if (state.is_figure()) faint_text(tr("Figures are lit by a sky instead."));
+  ImGui::BeginDisabled(state.is_figure());
   if (!lights.empty()) {
     choose(trf("light of {}###light", lights.size()).c_str(), state.chosen_light, lights.size());
     Light light = lights[size_t(state.chosen_light)];
@@ -156,7 +151,7 @@ bool draw_material(ViewState& state) {
   Material m = materials[size_t(state.chosen_material)];
   bool changed = color_field(tr("colour"), m.color);
   changed |= number_field(tr("diffuse Kd"), m.kd, 0, 1);
-  ImGui::BeginDisabled(is_figure(state));
+  ImGui::BeginDisabled(state.is_figure());
   changed |= number_field(tr("mirror Ks"), m.ks, 0, 1);
   changed |= number_field(tr("shine"), m.shine, 0, 1000);
   changed |= number_field(tr("glass T"), m.transmission, 0, 1);

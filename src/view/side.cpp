@@ -13,18 +13,25 @@ bool Side::has_picture() const {
   return picture && picture->request >= first_request && !texture.empty();
 }
 
-void Side::show(const Image& image, const RenderSettings& settings) {
-  if (settings.tone == Tone::none && settings.exposure == 0) return texture.set(image);
-  Image shown = image;
-  tone_map(shown, {}, settings.tone, settings.exposure);
-  texture.set(shown);
+void Side::show(const Image& image, const RenderSettings& settings, const Overlay& overlay) {
+  const bool is_plain = settings.tone == Tone::none && settings.exposure == 0;
+  if (is_plain && !overlay) return texture.set(image);
+  Picture shown{image, {}, {}};
+  tone_map(shown.color, {}, settings.tone, settings.exposure);
+  if (overlay) (void)overlay(shown, false);  // without Cairo's font there are none
+  texture.set(shown.color);
 }
 
-bool Side::take() {
+bool Side::take(const ViewState& view) {
   auto newest = session->picture();
   if (!newest || newest == picture) return false;
   picture = std::move(newest);
-  if (picture->image) show(*picture->image, picture->settings);
+  // Previews are too coarse for annotations.
+  const bool is_whole = picture->image && picture->image->width == picture->settings.width &&
+                        picture->baked && picture->baked->scene == view.scene;
+  if (picture->image)
+    show(*picture->image, picture->settings,
+         is_whole ? view.overlay(picture->settings) : Overlay());
   is_logged = false;
   return true;
 }

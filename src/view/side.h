@@ -9,6 +9,7 @@
 
 #include "render/session.h"
 #include "view/stage.h"
+#include "view/state.h"
 
 namespace raio::core::view {
 
@@ -22,12 +23,12 @@ struct Side {
 
   /// Whether there is a picture of the current kind.
   bool has_picture() const;
-  /// Takes the newest picture; returns whether it changed.
-  bool take();
+  /// Takes the newest picture; returns whether it changed. `view` has the annotations for it.
+  bool take(const ViewState& view);
   /// Draws the part between `left` and `right` (0 to 1) on the stage.
   void draw(const Stage& stage, float left, float right, float alpha) const;
-  /// Makes an image the texture, with the exposure and tone curve of the settings.
-  void show(const Image& image, const RenderSettings& settings);
+  /// Makes an image the texture, with the exposure and tone curve of the settings, and annotations.
+  void show(const Image& image, const RenderSettings& settings, const Overlay& overlay = {});
   /// The newly visible picture, once: "720x480 samples 3 request 1 sum 4c0e7ee63a101cca".
   std::optional<std::string> news();
 };

@@ -76,7 +76,7 @@ Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height) : area
   picture_width = width, picture_height = height;
   const float fit = std::min(area.width() / float(width), area.height() / float(height));
   const float unit = 1 / pixels_per_unit;
-  sharp = std::abs(fit - unit) <= 1e-3f * unit;
+  sharp = fit >= unit * (1 - 1e-3f);
   const float scale = sharp ? unit : fit;
   const ImVec2 size = {float(width) * scale, float(height) * scale};
   lo = {area.left + std::floor((area.width() - size.x) / 2),

@@ -48,7 +48,8 @@ struct Stage {
   int picture_width = 1, picture_height = 1;  // pixels
   bool sharp = true;                          // one pixel of the picture is one of the screen
 
-  /// A picture that fills the area; one of a given size (not 0x0) is shown whole, in the middle.
+  /// A picture that fills the area; one of a given size (not 0x0) is shown whole, in the middle, at
+  /// most one of its pixels for each of the screen's.
   Stage(const Rect& area, float pixels_per_unit, int width, int height);
   Stage() = default;
 

@@ -9,9 +9,12 @@
 #include <string_view>
 #include <utility>
 
+#include "app/annotations.h"
 #include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "integrate/classic.h"
+#include "io/atoms/labels.h"
+#include "io/fit_camera.h"
 #include "measure/effects.h"
 #include "render/read_options.h"
 #include "view/texts.h"
@@ -42,12 +45,22 @@ Camera first_camera(RenderOptions o, const Scene& scene) {
   return resolve_options(o, scene).camera;
 }
 
+// The width over the height of the frame that a window must show.
+double frame_aspect(const RenderOptions& o, const Scene& scene) {
+  const bool fits_square = scene.dialect == Dialect::data || scene.camera.horizontal_fov_deg > 0;
+  if (fits_square && (o.width == 0 || o.height == 0)) return 1;
+  const RenderSettings settings = resolve_options(o, scene);
+  return double(settings.width) / settings.height;
+}
+
 const char* effect_name(Command effect) { return key_of(effect).help; }
 
 }  // namespace
 
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
-    : path(std::move(p)), scene(std::move(s)), options(o), camera(first_camera(o, *scene)) {
+    : path(std::move(p)), scene(std::move(s)), options(o) {
+  camera = first_camera(o, *scene);
+  frame_aspect_ = frame_aspect(o, *scene);
   reset_camera(options);
   // Defaults for what the command line leaves open and the keys change.
   const RenderSettings plain = resolve_options(o, *scene);
@@ -58,13 +71,22 @@ ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const Render
     if (option_of(name).is_given(o) && is_on(effect)) split_effect = effect;
 }
 
-void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scene) {
+void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scene,
+                     const ReadOptions& options_read, std::shared_ptr<const ReadScene> new_file) {
   const bool same_file = new_path == path;
-  const bool own = same_camera(camera, own_camera());
+  const bool own = options_read.frame == read_options.frame && same_camera(camera, own_camera());
+  const Vec3d moved = scene->origin - new_scene->origin;
   path = std::move(new_path), scene = std::move(new_scene);
+  read_options = options_read, file = std::move(new_file);
+  if (moved != Vec3d()) {  // the camera's place in the file stays
+    camera.from = Vec3f(Vec3d(camera.from) + moved), camera.at = Vec3f(Vec3d(camera.at) + moved);
+    if (focus_point) *focus_point = *focus_point + moved;
+  }
   if (!same_file) camera.projection = scene->camera.projection;
   if (!same_file || own) camera = own_camera();
+  frame_aspect_ = frame_aspect(options, *scene);
   if (same_file) return follow_focus();
+  pivot.reset();
   if (focus_point && options.focus == followed_focus_) options.focus = 0;
   focus_point.reset();
 }
@@ -73,6 +95,62 @@ Camera ViewState::own_camera() const {
   RenderOptions o;
   o.projection = camera.projection;
   return first_camera(o, *scene);
+}
+
+std::optional<Vec3d> ViewState::turning_point() const {
+  if (pivot || scene->dialect != Dialect::data) return pivot;
+  const Box3f box = bounds(*scene);
+  if (box.empty()) return std::nullopt;
+  return Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
+}
+
+std::array<int, 2> ViewState::wanted_size() const {
+  if (options.width == 0 && options.height == 0 && !options.print) return {0, 0};
+  const RenderSettings settings = resolve_options(options, *scene);
+  return {settings.width, settings.height};
+}
+
+bool ViewState::is_figure() const {
+  RenderOptions picture = options;
+  picture.view = View::picture;
+  return integrator_of(picture, *scene) == IntegratorKind::ambient;
+}
+
+int ViewState::frame() const {
+  const int frame = read_options.frame;
+  return std::clamp(frame < 0 ? frames() + frame : frame, 0, frames() - 1);
+}
+
+app::Annotations ViewState::annotations_of(const RenderOptions& picture) const {
+  app::Annotations some = annotations;
+  const bool has_own_colors = file && picture.view == View::picture;
+  some.color_bar &= has_own_colors && file->colors;
+  some.legend &= has_own_colors && !file->legend.empty();
+  some.scale_bar &= file != nullptr;
+  if (!some.legend) return some;
+  const RenderSettings s = resolve_options(picture, *scene);
+  some.legend = app::has_room_for_legend(s.width, s.height, s.dpi);
+  return some;
+}
+
+Overlay ViewState::overlay(const RenderSettings& picture) const {
+  if (!file) return {};
+  RenderOptions size;
+  size.width = picture.width, size.height = picture.height, size.dpi = picture.dpi;
+  size.view = picture.view;
+  return app::overlay_of(annotations_of(size), *file, picture);
+}
+
+RenderOptions ViewState::print_request(int width, int height) const {
+  RenderOptions o = request(width, height, form.samples);
+  // The height has two decimals, a hundredth of a pixel at 300 dpi.
+  const float tall = std::round(form.width_mm * float(height) / float(width) * 100) / 100;
+  o.width = o.height = 0;
+  o.print = PrintSize{form.width_mm, tall}, o.dpi = float(form.dpi);
+  if (!form.transparent) return o;
+  o.background.emplace().transparent = true;
+  drop_ignored_options(o, *scene);  // the depth cue
+  return o;
 }
 
 void ViewState::set_projection(core::Projection projection) {
@@ -137,8 +215,7 @@ std::string ViewState::toggle(Command effect) {
   // Figures have none of them: they are lit by a sky.
   constexpr Command kOfSurfaces[] = {Command::soft_shadows, Command::reflection,
                                      Command::refraction, Command::gloss, Command::translucency};
-  if (integrator_of(options, *scene) == IntegratorKind::ambient &&
-      std::ranges::count(kOfSurfaces, effect) > 0)
+  if (is_figure() && std::ranges::count(kOfSurfaces, effect) > 0)
     return trf("a figure has no {}", tr(effect_name(effect)));
   switch (effect) {
     case Command::antialiasing:
@@ -196,7 +273,7 @@ std::string ViewState::title() const {
 
 RenderOptions ViewState::request(int width, int height, int samples) const {
   RenderOptions o = options;
-  set_camera(o, camera, *scene);
+  set_camera(o, shown_camera(width, height), *scene);
   o.width = width, o.height = height;
   // Options that would be refused as having no effect.
   const bool dof = resolved().dof;
@@ -233,11 +310,10 @@ RenderOptions ViewState::other_request(int width, int height) const {
   return other.request(width, height);
 }
 
-std::string ViewState::command_line(int width, int height, int samples,
-                                    const std::string& output) const {
-  return fmt::format("{} render {}{}{} -o {}", shell_word(program), shell_word(path),
-                     option_arguments(read_options),
-                     option_arguments(request(width, height, samples)), shell_word(output));
+std::string ViewState::command_line(const RenderOptions& picture, const std::string& output) const {
+  return fmt::format("{} render {}{}{}{} -o {}", shell_word(program), shell_word(path),
+                     option_arguments(read_options), option_arguments(picture),
+                     app::arguments_of(annotations_of(picture)), shell_word(output));
 }
 
 void ViewState::focus_at(float depth) {
@@ -264,15 +340,36 @@ void ViewState::scale_aperture(float factor) {
   options.aperture = std::clamp(resolved().aperture * factor, 1e-30f, 1e30f);
 }
 
-Camera ViewState::edge_to_edge(int height) const {
+Camera ViewState::shown_camera(int width, int height) const {
   Camera out = camera;
+  const double tangent = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360) * frame_aspect_;
+  out.horizontal_fov_deg = float(exact_atan(tangent) * 360 / std::numbers::pi);
+  if (width < frame_aspect_ * height) out.fov_deg = fitted_fov_deg(out, width, height);
+  out.horizontal_fov_deg = camera.horizontal_fov_deg;
+  return out;
+}
+
+Camera ViewState::edge_to_edge(int width, int height) const {
+  Camera out = shown_camera(width, height);
   if (!options.angle_to_centers || height < 2) return out;
-  const double tangent = exact_tan(double(camera.fov_deg) * std::numbers::pi / 360);
+  const double tangent = exact_tan(double(out.fov_deg) * std::numbers::pi / 360);
   out.fov_deg = float(exact_atan(tangent * height / (height - 1)) * 360 / std::numbers::pi);
   return out;
 }
 
-Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height) {
+namespace {
+
+// A point of an instance's object in the scene's coordinates.
+Vec3d placed(const Geometry& geometry, InstanceId instance, Vec3d point) {
+  if (instance == 0) return point;
+  const Geometry::Placed in = geometry.placed(instance);
+  return geometry.placement(in.index).point(placed(in.object, in.inner, point));
+}
+
+}  // namespace
+
+Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height,
+          const ReadScene* file) {
   // As if the picture had unit height.
   constexpr int kHeight = 1 << 16;
   const int width = std::max(1, int(std::lround(kHeight * width_per_height)));
@@ -290,7 +387,25 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
   out.point = Vec3d(ray.origin) + Vec3d(ray.dir) * double(out.hit.t);
   out.depth =
       double(out.hit.t) * dot(Vec3d(ray.dir), normalize(Vec3d(camera.at) - Vec3d(camera.from)));
-  const Geometry& geometry = accel.geometry().object_at(out.hit.instance);
+  const Geometry& scene = accel.geometry();
+  const Geometry& geometry = scene.object_at(out.hit.instance);
+  out.place = out.point;
+  if (const PrimitiveKind kind = geometry.kind_of(out.hit.primitive);
+      kind == PrimitiveKind::sphere) {
+    const Box3f box = geometry.bounds(out.hit.primitive);
+    const Vec3d center = Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
+    out.place = placed(scene, out.hit.instance, center);
+    if (file && file->atoms) {
+      const Scene& all = scene.scene();
+      std::optional<uint32_t> prototype;
+      if (out.hit.instance > 0)
+        prototype = all.instances[scene.placed(out.hit.instance).index].prototype;
+      out.object = file->atoms->label(prototype, uint32_t(geometry.index_of(out.hit.primitive)));
+    }
+  }
+  out.material = scene.material_of(out.hit.primitive, out.hit.instance);
+  if (const uint32_t object = scene.object_of(out.hit.primitive, out.hit.instance); object > 0)
+    out.object += (out.object.empty() ? "" : ", ") + scene.scene().object_names[object - 1];
   out.what = fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(out.hit.primitive))],
                          geometry.index_of(out.hit.primitive));
   return out;

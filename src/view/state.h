@@ -2,6 +2,7 @@
 // keys, the camera. No window and no thread.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -9,7 +10,9 @@
 #include <utility>
 
 #include "accel/accel.h"
+#include "app/overlay.h"
 #include "io/read_scene.h"
+#include "measure/effect_costs.h"
 #include "render/options.h"
 #include "scene/scene.h"
 #include "view/keys.h"
@@ -18,6 +21,10 @@ namespace raio::core::view {
 
 /// The samples of a picture if the options leave their number open.
 inline constexpr int kRefineSamples = 1024;
+
+/// How the window reads files.
+inline const ReadOptions kForWindow{
+    .cell = std::nullopt, .hide_solvent = true, .instances = true, .labels = true};
 
 /// Which boxes of the structure are drawn over the picture, and how.
 struct BoxLook {
@@ -29,15 +36,31 @@ struct BoxLook {
   friend bool operator==(const BoxLook&, const BoxLook&) = default;
 };
 
+/// What the panel of figures remembers, besides what undo restores.
+struct FigureForm {
+  bool plays = false;  // the frames of a trajectory
+  int frames_per_s = 10;
+  // Of the picture to be saved for print.
+  float width_mm = 88;
+  int dpi = int(kPrintDpi), samples = 256;
+  bool transparent = false;
+  // The text typed last into the field of a reader's option, until the file was read with it, and
+  // why it was not.
+  std::string option, typed, problem;
+};
+
 class ViewState {
  public:
   ViewState(std::string path, std::shared_ptr<const Scene> scene, const RenderOptions& options);
 
-  std::string path;                         // of the scene's file
-  std::string program = "raio";             // as it was started
-  ReadOptions read_options = kForPictures;  // for the file
+  std::string path;                       // of the scene's file
+  std::string program = "raio";           // as it was started
+  ReadOptions read_options = kForWindow;  // for the file
   std::shared_ptr<const Scene> scene;
-  RenderOptions options;  // including those of disabled effects; without the camera
+  std::shared_ptr<const ReadScene> file;  // as read with `read_options`; null if written here
+  uint32_t file_version = 0;              // of the file on the disk, counted by AppState
+  app::Annotations annotations;           // those that do not fit are not drawn
+  RenderOptions options;                  // including those of disabled effects; without the camera
   Camera camera;
   std::optional<Vec3d> focus_point;  // stays in focus while the camera moves
   bool split = false;                // next to the picture without `split_effect`
@@ -47,13 +70,27 @@ class ViewState {
   std::optional<std::array<float, 2>> waiting_shutter;  // likewise for motion blur
   bool paused = false, panel = true;
   BoxLook boxes;
+  CostOf costs_of = CostOf::sample;
+  std::optional<Vec3d> pivot;  // chosen for turning; nothing: turning_point() decides
   int chosen_light = 0, chosen_material = 0;  // selected in the panel
+  FigureForm form;
 
-  /// Another scene. For the same file the camera stays, unless it was the scene's and that changed.
-  void open(std::string new_path, std::shared_ptr<const Scene> new_scene);
+  /// Another scene. For the same file the camera stays, unless it was the scene's and that changed;
+  /// it is the same for all frames.
+  void open(std::string new_path, std::shared_ptr<const Scene> new_scene,
+            const ReadOptions& options_read = kForWindow,
+            std::shared_ptr<const ReadScene> new_file = nullptr);
+
+  /// Whether the picture, also behind a view, is lit by a sky, without the scene's lights, mirrors
+  /// and glass.
+  bool is_figure() const;
 
   /// The scene's camera, with all data in the picture.
   Camera own_camera() const;
+
+  /// What the camera turns about, if not about the point under the cursor: the chosen pivot, or the
+  /// middle of data.
+  std::optional<Vec3d> turning_point() const;
 
   bool is_on(Command effect) const;
   /// The option of gloss or of translucency.
@@ -74,6 +111,19 @@ class ViewState {
   /// the one that shows everything in the other projection.
   void set_projection(core::Projection projection);
 
+  /// The frame in use, from 0, and their number, at least 1.
+  int frame() const;
+  int frames() const { return file ? std::max(1, int(file->frames)) : 1; }
+
+  /// The annotations that fit a picture with these options: those that `raio render` accepts.
+  app::Annotations annotations_of(const RenderOptions& picture) const;
+
+  /// Draws them on a picture with these settings; empty if there are none.
+  Overlay overlay(const RenderSettings& picture) const;
+
+  /// The options of a picture for print: as wide as the form says, with the shape of these pixels.
+  RenderOptions print_request(int width, int height) const;
+
   /// The equivalent options of `raio render` for this picture with this size, without those that
   /// have no effect. `samples`: per pixel, if their number is open; 0: the final number of
   /// refinement.
@@ -81,15 +131,23 @@ class ViewState {
   /// The same without `split_effect`, or with it if it is off.
   RenderOptions other_request(int width, int height) const;
 
-  /// The camera for a picture of this height with its angle from edge to edge, however the options
-  /// measure it.
-  Camera edge_to_edge(int height) const;
+  /// The camera for a picture of this size. A narrow one has a wider angle: it shows the sides of
+  /// the scene's frame, too.
+  Camera shown_camera(int width, int height) const;
+  /// The same with its angle from edge to edge, however the options measure it.
+  Camera edge_to_edge(int width, int height) const;
+  /// The size that the options ask for; 0: that of the window.
+  std::array<int, 2> wanted_size() const;
 
   /// Whether a pixel may have any number of samples. Not with cells, which determine it.
   bool endless() const;
 
   /// "raio render SCENE --size ... -o OUTPUT", with the program as it was started.
-  std::string command_line(int width, int height, int samples, const std::string& output) const;
+  std::string command_line(int width, int height, int samples, const std::string& output) const {
+    return command_line(request(width, height, samples), output);
+  }
+  /// The same for the result of request() or print_request().
+  std::string command_line(const RenderOptions& picture, const std::string& output) const;
 
   /// Focuses at `depth` along the line of sight; switches the lens on.
   void focus_at(float depth);
@@ -101,10 +159,11 @@ class ViewState {
   /// Multiplies the aperture by `factor`.
   void scale_aperture(float factor);
 
-  /// Compares everything that undo restores: not pausing or hiding.
+  /// Compares everything that undo restores: not pausing or hiding, nor the pivot.
   friend bool operator==(const ViewState& a, const ViewState& b) {
-    return a.scene == b.scene && a.options == b.options && a.camera == b.camera &&
-           a.split == b.split && a.split_effect == b.split_effect;
+    return a.scene == b.scene && a.read_options == b.read_options && a.options == b.options &&
+           a.annotations == b.annotations && a.camera == b.camera && a.split == b.split &&
+           a.split_effect == b.split_effect;
   }
 
  private:
@@ -113,15 +172,21 @@ class ViewState {
   void switch_motion(bool on);
 
   float followed_focus_ = 0;  // the last focus from focus_point
+  double frame_aspect_ = 1;   // of what must be visible in any window
 };
 
 /// The hit of the ray through a position of the picture (0 to 1 from the upper left).
 struct Pick {
   Hit hit;
   Vec3d point;
-  double depth = 0;  // along the line of sight
-  std::string what;  // "sphere 12"
+  double depth = 0;    // along the line of sight
+  Vec3d place;         // of a sphere its centre, else the point
+  std::string what;    // "sphere 12"
+  std::string object;  // its name, or what is known of the atom; empty: nothing
+  MaterialId material = 0;
 };
-Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height);
+/// `file`: of the scene, with names of atoms; may be null.
+Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height,
+          const ReadScene* file = nullptr);
 
 }  // namespace raio::core::view

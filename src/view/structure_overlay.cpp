@@ -76,7 +76,7 @@ void StructureOverlay::draw(const Rect& area, const ViewState& state,
                             std::shared_ptr<const BakedScene> baked, const Stage& stage) {
   choose(state.boxes, std::move(baked));
   if (boxes_.empty()) return;
-  const Projection projection(state.edge_to_edge(stage.picture_height), stage);
+  const Projection projection(state.edge_to_edge(stage.picture_width, stage.picture_height), stage);
   const Vec3d from(state.camera.from);
   const auto distance = [&](const AccelBox& b) { return length(Vec3d(b.box.center()) - from); };
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;

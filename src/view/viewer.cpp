@@ -9,6 +9,7 @@
 #include "app/output.h"
 #include "render/provenance.h"
 #include "render/render.h"
+#include "view/panel_parts.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
@@ -29,10 +30,10 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
                bool logs, std::unique_ptr<Session> session, const RenderOptions& first_request)
     : window_(window),
       logs_(logs),
-      app_(std::move(state), first_request, size(), memory.look, std::move(warnings)),
+      app_(std::move(state), first_request, memory.look, std::move(warnings)),
       pictures_(std::move(session)),
       keeper_(std::move(memory)),
-      file_(app_.view.path, app_.view.read_options) {
+      file_(app_.view.path) {
   window_.listen([this](const Event& event) { handle(event); });
   log("request: 1");
   handle(size());
@@ -50,9 +51,18 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
 
 void Viewer::run() {
   while (!window_.should_close()) {
-    Window::wait_events(app_.drawings > 0 || inspector_.is_playing() ? 0.004 : kIdleSeconds);
+    const bool soon =
+        app_.drawings > 0 || inspector_.is_playing() || app_.is_reading() || app_.view.form.plays;
+    Window::wait_events(soon ? 0.004 : kIdleSeconds);
     step();
   }
+  Memory now = keeper_.memory();
+  // A size chosen for a picture is no habit.
+  if (app_.view.wanted_size()[0] == 0 && !window_.is_full_screen())
+    now.width = int(window_.width()), now.height = int(window_.height());
+  now.panel = app_.view.panel, now.sections = switched_sections();
+  now.costs_as_reported = app_.view.costs_of == CostOf::report;
+  keeper_.closed(now);
   log("closed");
 }
 
@@ -72,7 +82,6 @@ Facts Viewer::facts() const {
   if (!facts.types && !facts.has_dialog)
     facts.walking =
         walking_steps([this](int key) { return window_.is_held(key); }, app_.gestures.is_looking());
-  facts.sessions_idle = pictures_.are_idle();
   facts.control_held = Window::is_busy();
   facts.over_controls = Window::is_over_controls();
   facts.inspects = inspector_.is_open(), facts.picks = inspector_.is_picking();
@@ -105,14 +114,17 @@ void Viewer::carry_out(const Request& request) {
                  },
                  [&](const CloseInspector&) { inspector_.close(); },
                  [&](const OpenFile& r) { file_.open(r.path); },
+                 [&](const Reread& r) { file_.reread(r.options); },
                  [&](const FollowFile& r) {
                    if (r.saved) file_.follow(app_.view.path);
                    keeper_.opened(r.path);
                  },
                  [&](const SaveScene& r) { scene_writer_.write(app_.view, r.path); },
                  [&](const WritePicture& r) { write_picture(*r.picture, r.suffix); },
+                 [&](const PrintPicture& r) { print_picture(r); },
+                 [&](const StopPrinting&) { print_job_.stop(); },
                  [&](const WriteDrawing& r) {
-                   const Camera camera = app_.view.edge_to_edge(app_.stage.picture_height);
+                   const Camera camera = app_.shown_camera();
                    writer_.write(inspector_.drawing(r.suffix, camera),
                                  free_name(inspector_.file_name(), r.suffix),
                                  inspector_.command_line(app_.view));
@@ -143,8 +155,9 @@ void Viewer::take_results() {
   if (const auto written = scene_writer_.poll()) handle(*written);
   // A file being saved is no change on the disk.
   if (!scene_writer_.is_busy())
-    if (const auto read = file_.poll(app_.view.options.threads)) handle(*read);
+    if (const auto read = file_.poll(app_.view.options.threads, app_.read_options())) handle(*read);
   while (const auto written = writer_.poll()) handle(*written);
+  if (const auto printed = print_job_.poll()) handle(event::Printed{*printed});
   if (const auto found = inspector_.poll()) handle(event::Inspected{*found});
   if (const auto said = measuring_.poll()) handle(event::Measured{*said, measuring_.costs()});
   take_picture(pictures_.main);
@@ -156,7 +169,7 @@ void Viewer::take_results() {
 }
 
 void Viewer::take_picture(Side& side) {
-  if (side.take()) handle(event::PictureTaken{side.picture, &side == &pictures_.main});
+  if (side.take(app_.view)) handle(event::PictureTaken{side.picture, &side == &pictures_.main});
 }
 
 void Viewer::take_thumbnails() {
@@ -204,7 +217,18 @@ void Viewer::write_picture(const SessionPicture& picture, const std::string& suf
       view.request(app_.stage.picture_width, app_.stage.picture_height, picture.samples),
       *view.scene);
   writer_.write(picture.image, path, settings_of(*view.scene, settings, view.read_options),
-                app_.command_line(path));
+                app_.command_line(path), view.overlay(settings));
+}
+
+void Viewer::print_picture(const request::PrintPicture& what) {
+  const ViewState& view = app_.view;
+  JobRequest job;
+  job.scene = view.path, job.read = view.read_options, job.loaded = what.scene;
+  job.options = what.options;
+  job.output = free_name(view.scene->name, ".png");
+  job.overlay = view.overlay(resolve_options(what.options, *view.scene));
+  std::string command = view.command_line(what.options, job.output);
+  print_job_.start(std::move(job), std::move(command));
 }
 
 }  // namespace raio::core::view

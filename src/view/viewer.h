@@ -42,10 +42,12 @@ class Viewer {
   void measure(Measuring::Work work);
   void ask_for_file(FileDialog::Purpose purpose);
   void write_picture(const SessionPicture& picture, const std::string& suffix);
+  void print_picture(const request::PrintPicture& what);
 
   // The screen, in viewer_drawing.cpp.
   void draw();
   void draw_inspector();
+  void draw_selection() const;
   // For a picture that takes long.
   std::optional<SessionProgress> progress() const;
   CostFacts cost_facts() const;
@@ -58,7 +60,9 @@ class Viewer {
   Controls controls_;
   StructureOverlay overlay_;
   Inspector inspector_{[] { Window::wake(); }};
-  Measuring measuring_{[] { Window::wake(); }};
+  Measuring measuring_{
+      {[this](bool on) { pictures_.hold(on); }, [this] { return pictures_.are_idle(); }},
+      [] { Window::wake(); }};
   MemoryKeeper keeper_;
   const SampleScenes samples_ = sample_scenes();
   std::map<std::string, SceneCard> cards_;  // of the start page
@@ -66,6 +70,7 @@ class Viewer {
   SceneFile file_;
   PictureWriter writer_;
   SceneWriter scene_writer_;
+  PrintJob print_job_{[] { Window::wake(); }};
   std::string button_places_;  // as logged last
   bool typing_ = false;        // into a field
 };

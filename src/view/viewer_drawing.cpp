@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "view/projection.h"
 #include "view/texts.h"
 #include "view/theme.h"
 #include "view/viewer.h"
@@ -23,6 +24,7 @@ void Viewer::draw() {
   const ReadOut under = app_.under_cursor();
   overlay_.draw(area, app_.view, app_.baked(), app_.stage);
   draw_inspector();
+  draw_selection();
   ViewState shown = app_.view;
   if (app_.shows_focus()) shown.show(View::focus);
   const bool is_of_boxes = overlay_.facts().all > 0;
@@ -44,13 +46,12 @@ void Viewer::draw() {
 
 void Viewer::draw_inspector() {
   const Gestures& hand = app_.gestures;
-  inspector_.draw_rays(app_.layout.picture, app_.view.edge_to_edge(app_.stage.picture_height),
-                       app_.stage);
+  inspector_.draw_rays(app_.layout.picture, app_.shown_camera(), app_.stage);
   if (hand.is_selecting())
     ImGui::GetBackgroundDrawList()->AddRect({float(hand.from_x()), float(hand.from_y())},
                                             {float(hand.x()), float(hand.y())},
                                             color(palette().accent), 0, 0, 2);
-  if (!inspector_.is_open() || !app_.view.panel) return;
+  if (!inspector_.is_open() || !app_.has_panel()) return;
   const InspectorResult did = inspector_.draw_panel(app_.layout.panel, Window::seconds());
   handle(event::InspectorUsed{did, did.copied ? inspector_.command_line(app_.view) : ""});
   if (did.copied_text) window_.set_clipboard(inspector_.explanation());
@@ -58,6 +59,32 @@ void Viewer::draw_inspector() {
     button_places_ = places;
     log("buttons:" + places);
   }
+}
+
+// Marks the picked points, with lines between them and what they measure.
+void Viewer::draw_selection() const {
+  if (app_.selection.empty() || app_.is_waiting()) return;
+  const Rect& area = app_.layout.picture;
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  draw.PushClipRect({area.left, area.top}, {area.right, area.bottom}, true);
+  const Projection projection(app_.shown_camera(), app_.stage);
+  const auto& picks = app_.selection.picks();
+  const ImU32 ink = color(palette().accent);
+  const float radius = 0.4f * em();
+  for (size_t i = 0; i < picks.size(); ++i) {
+    if (i > 0)
+      if (const auto line = projection.segment(picks[i - 1].place, picks[i].place))
+        draw.AddLine((*line)[0], (*line)[1], ink, 2);
+    if (const auto at = projection.point(picks[i].place)) draw.AddCircle(*at, radius, ink, 0, 2);
+  }
+  const std::string measure = app_.measured();
+  const size_t middle = (picks.size() - 1) / 2;
+  const Vec3d place = picks.size() == 3
+                          ? picks[1].place
+                          : (picks[middle].place + picks[picks.size() / 2].place) * 0.5;
+  if (const auto at = projection.point(place); at && !measure.empty())
+    draw_label({at->x + radius * 2, at->y}, measure, Beside::right);
+  draw.PopClipRect();
 }
 
 std::optional<SessionProgress> Viewer::progress() const {
@@ -83,9 +110,17 @@ CostFacts Viewer::cost_facts() const {
 
 ControlFacts Viewer::control_facts(const std::string& under) const {
   ControlFacts facts;
-  facts.panel = {cost_facts(), app_.errors, app_.warnings.lines(), app_.look, overlay_.facts()};
+  PanelFacts& panel = facts.panel;
+  panel.costs = cost_facts();
+  panel.errors = app_.errors, panel.warnings = app_.warnings.lines();
+  panel.look = app_.look, panel.boxes = overlay_.facts();
+  panel.selection = app_.selection_lines(), panel.can_focus = !app_.view.camera.is_parallel();
+  panel.figure.read = app_.read_options(), panel.figure.waits = app_.waits_for_file();
+  panel.figure.picture_width = app_.stage.picture_width;
+  panel.figure.picture_height = app_.stage.picture_height;
+  if (app_.is_printing()) facts.panel.figure.printed = print_job_.share();
   facts.tools = {app_.history.can_undo(), app_.history.can_redo(), window_.is_full_screen(),
-                 inspector_.is_open() || inspector_.is_picking()};
+                 inspector_.is_open() || inspector_.is_picking(), app_.has_panel()};
   facts.status = {.picture = app_.picture.get(),
                   .request = app_.request,
                   .since_request_s = Window::seconds() - app_.requested_at,

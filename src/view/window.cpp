@@ -25,6 +25,7 @@ std::string g_glfw_problem;
 std::atomic<bool> g_open = false;
 
 constexpr float kMinHeight = 800;
+constexpr double kPartOfScreen = 0.85;  // of its sides, for a first window
 
 void set_up_imgui(GLFWwindow* window) {
   IMGUI_CHECKVERSION();
@@ -44,8 +45,8 @@ std::string no_window(std::string_view why) {
 
 }  // namespace
 
-std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_width,
-                                                                 int picture_height,
+std::expected<std::unique_ptr<Window>, std::string> Window::open(std::array<int, 2> picture,
+                                                                 std::array<int, 2> size,
                                                                  const Theme& look) {
   glfwSetErrorCallback([](int, const char* text) { g_glfw_problem = text; });
   if (!glfwInit()) return std::unexpected(no_window("no display"));
@@ -54,7 +55,7 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
-  GLFWwindow* handle = glfwCreateWindow(picture_width, picture_height, "Raio", nullptr, nullptr);
+  GLFWwindow* handle = glfwCreateWindow(640, 480, "Raio", nullptr, nullptr);
   if (!handle) {
     glfwTerminate();
     return std::unexpected(no_window("the display does not support OpenGL 3.3"));
@@ -68,11 +69,14 @@ std::expected<std::unique_ptr<Window>, std::string> Window::open(int picture_wid
   const float unit = 1 / window->pixels_per_unit();
   glfwSetWindowSizeLimits(handle, 64, 64, GLFW_DONT_CARE, GLFW_DONT_CARE);
   const float em = em_of(look, window->text_scale_);
-  const int width = int(float(picture_width) * unit + kPanelEms * em);
-  const int height =
-      int(float(picture_height) * unit + std::floor(kToolBarEms * em) + std::ceil(kStatusEms * em));
-  glfwSetWindowSize(handle, std::min(width, most_width),
-                    std::min(std::max(height, int(kMinHeight * window->text_scale_)), most_height));
+  if (picture[0] > 0) {
+    const float bars = std::floor(kToolBarEms * em) + std::ceil(kStatusEms * em);
+    size[0] = int(std::max(float(picture[0]) * unit + kPanelEms * em, kLeastWidthEms * em));
+    size[1] = int(std::max(float(picture[1]) * unit + bars, kMinHeight * window->text_scale_));
+  } else if (size[0] <= 0 || size[1] <= 0) {
+    size = {int(most_width * kPartOfScreen), int(most_height * kPartOfScreen)};
+  }
+  glfwSetWindowSize(handle, std::min(size[0], most_width), std::min(size[1], most_height));
   glfwShowWindow(handle);
   return window;
 }
@@ -121,7 +125,8 @@ void Window::set_callbacks() {
                                  .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))}});
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
-    tell(w, event::MouseButton{button, action == GLFW_PRESS, bool(mods & GLFW_MOD_SHIFT)});
+    tell(w, event::MouseButton{button, action == GLFW_PRESS, bool(mods & GLFW_MOD_SHIFT),
+                               bool(mods & GLFW_MOD_CONTROL)});
   });
   glfwSetCursorPosCallback(
       window_, [](GLFWwindow* w, double x, double y) { tell(w, event::CursorMoved{x, y}); });

@@ -1,6 +1,7 @@
 // A window with OpenGL and Dear ImGui, and its events.
 #pragma once
 
+#include <array>
 #include <expected>
 #include <functional>
 #include <memory>
@@ -17,10 +18,11 @@ namespace raio::core::view {
 
 class Window {
  public:
-  /// With room for a picture of this size, and for the panel and the bars around it. The error is
-  /// one line that says what to do instead.
-  static std::expected<std::unique_ptr<Window>, std::string> open(int picture_width,
-                                                                  int picture_height,
+  /// With room for a picture of this size, and for the panel and the bars around it; 0: of the size
+  /// in window units, or most of the screen if that is 0, too. The error is one line that says what
+  /// to do instead.
+  static std::expected<std::unique_ptr<Window>, std::string> open(std::array<int, 2> picture,
+                                                                  std::array<int, 2> size,
                                                                   const Theme& look);
   ~Window();
   Window(const Window&) = delete;

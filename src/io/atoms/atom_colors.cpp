@@ -45,7 +45,8 @@ std::vector<std::string> what_there_is(const Atoms& atoms, bool has_types) {
   if (has_types) out.push_back("type");
   if (atoms.has_b_factors) out.push_back("bfactor");
   if (atoms.has_occupancies) out.push_back("occupancy");
-  out.insert(out.end(), atoms.columns.begin(), atoms.columns.end());
+  for (const std::string& column : atoms.columns)
+    if (std::ranges::find(out, column) == out.end()) out.push_back(column);
   return out;
 }
 
@@ -115,6 +116,7 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
                          : has_types && !any_element(atoms) ? "type"
                          : is_assembly(atoms, style)        ? "chain"
                                                             : "element";
+  to.choices.columns = what_there_is(atoms, has_types), to.choices.color_by = by;
   // Picks one of the few colours of the table below.
   uint8_t (*which)(const Atom&) = nullptr;
   Rgb (*color)(uint8_t) = [](uint8_t n) { return distinct_color(n); };
@@ -130,9 +132,9 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
     which = [](const Atom& a) { return uint8_t((a.part - 1) % kDistinctColors); };
   const auto numbers = which ? std::vector<float>() : numbers_of(atoms, by);
   if (!which && numbers.empty())
-    return std::unexpected(fmt::format(
-        "cannot colour by '{}'; the file has {}", printable(by),
-        printable(fmt::format("{}", fmt::join(what_there_is(atoms, has_types), ", ")))));
+    return std::unexpected(
+        fmt::format("cannot colour by '{}'; the file has {}", printable(by),
+                    printable(fmt::format("{}", fmt::join(to.choices.columns, ", ")))));
   if (which && (!options.colormap.empty() || options.color_range))
     return std::unexpected(
         fmt::format("a colour map or range has no effect on atoms coloured by {}; colour them by "

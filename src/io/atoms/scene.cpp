@@ -11,6 +11,7 @@
 #include "io/atoms/atom_colors.h"
 #include "io/atoms/cells.h"
 #include "io/atoms/colors.h"
+#include "io/atoms/labels.h"
 #include "io/atoms/lines.h"
 #include "io/atoms/read.h"
 #include "io/atoms/select.h"
@@ -126,7 +127,11 @@ class AtomScene {
     }
     if (auto wrong = add_copies(); !wrong.empty()) return failed(file_, wrong);
     const Box3f box = bounds(scene);
-    if (draws_cell(atoms_, options_)) add_edges();
+    ReadChoices& choices = read_.choices;
+    choices.style = style_, choices.has_cell = atoms_.cell && is_sound(*atoms_.cell);
+    choices.assemblies = int(atoms_.assemblies.size());
+    choices.cell = draws_cell(atoms_, options_);
+    if (choices.cell) add_edges();
     fit(box);
     for (size_t i = 0; i < 3 && atoms_.cell; ++i)
       if (options_.images[i] > 1 && !atoms_.cell->repeats[i])
@@ -138,6 +143,7 @@ class AtomScene {
            fmt::format("frames or models after the first ({}); `frame` selects one",
                        atoms_.frames - 1));
     append(read_.notices, atoms_.notices, file_);
+    if (options_.labels) keep_labels();
     return std::move(read_);
   }
 
@@ -179,6 +185,7 @@ class AtomScene {
     const bool copied = images_of(options_) > 1, has = !atoms_.assemblies.empty() && !copied;
     const int wanted =
         options_.assembly.value_or(has && style_ == AtomStyle::space_filling ? 1 : 0);
+    read_.choices.assembly = wanted;
     if (wanted < 0 || size_t(wanted) > atoms_.assemblies.size())
       return atoms_.assemblies.empty() ? "the file has no assemblies; leave out `assembly`"
                                        : fmt::format("assembly {} does not exist; the file has {}",
@@ -186,7 +193,7 @@ class AtomScene {
     if (wanted > 0 && copied)
       return "an assembly cannot be repeated with the cell; leave out `assembly` or `images`";
     if (wanted == 0 && shifts_.size() == 1) {
-      add_atoms(read_.scene, nullptr);
+      (void)add_atoms(read_.scene, nullptr);
       return {};
     }
     if (wanted == 0) {
@@ -210,7 +217,7 @@ class AtomScene {
     if (!read_.scene.instances.empty()) return {};
     if (options_.assembly) return "the assembly has no atoms";
     // A part of a file keeps the header of the whole.
-    add_atoms(read_.scene, nullptr);
+    (void)add_atoms(read_.scene, nullptr);
     return {};
   }
 
@@ -252,15 +259,16 @@ class AtomScene {
   void add_object(const std::vector<bool>* chosen, const std::vector<Matrix>& matrices) {
     Scene& scene = read_.scene;
     Object object;
-    add_atoms(object, chosen);
+    std::vector<uint32_t> atoms = add_atoms(object, chosen);
     if (object.spheres.empty()) return;
+    labels_.of_prototype.push_back(std::move(atoms));
     for (const Matrix& matrix : matrices)
       scene.instances.push_back({uint32_t(scene.prototypes.size()), matrix});
     scene.prototypes.push_back(std::move(object));
   }
 
-  // The atoms of the chosen parts with the bonds between them; null: all.
-  void add_atoms(Object& scene, const std::vector<bool>* chosen) const {
+  // The atoms of the chosen parts with the bonds between them; null: all. Returns the chosen atoms.
+  std::vector<uint32_t> add_atoms(Object& scene, const std::vector<bool>* chosen) const {
     const auto is_chosen = [&](uint32_t i) {
       const uint32_t part = atoms_.atoms[i].part;
       return !chosen || (part < chosen->size() && (*chosen)[part]);
@@ -283,6 +291,22 @@ class AtomScene {
     });
     for (const auto& [a, b] : bonds_)
       if (is_chosen(a) && is_chosen(b)) add_bond(scene, a, b);
+    return some;
+  }
+
+  void keep_labels() {
+    const auto column = [&](bool is_known, auto Atom::* of) {
+      std::vector<std::remove_cvref_t<decltype(Atom().*of)>> values;
+      if (!is_known) return values;
+      values.reserve(atoms_.atoms.size());
+      for (const Atom& atom : atoms_.atoms) values.push_back(atom.*of);
+      return values;
+    };
+    labels_.elements = column(has_elements_, &Atom::element);
+    labels_.residues = column(atoms_.has_residues, &Atom::residue);
+    labels_.chains = column(!atoms_.chains.empty(), &Atom::chain);
+    labels_.residue_names = atoms_.residues, labels_.chain_names = atoms_.chains;
+    read_.atoms = std::make_shared<const AtomLabels>(std::move(labels_));
   }
 
   // False if too many atoms are at one position.
@@ -366,6 +390,7 @@ class AtomScene {
   bool has_elements_ = false;
   float particle_radius_ = 1;  // for atoms of unknown element
   ReadScene read_;
+  AtomLabels labels_;
   std::vector<MaterialId> material_;  // by atom
   Bonds bonds_;
 };

@@ -92,6 +92,7 @@ class PlyReader {
             std::ranges::find(kNames[w], property.name) != kNames[w].end())
           at_[w] = k, is_whole_[w] = is_whole(property.type);
       if (!options_.color_by.empty() && property.name == options_.color_by) colored_by_ = k;
+      if (!property.name.empty()) columns_.push_back(property.name);
     }
     // "r" alone is not a colour.
     if (at_[kRed] && !at_[kGreen] && !at_[kBlue] && element.properties[*at_[kRed]].name == "r")
@@ -356,6 +357,7 @@ class PlyReader {
     }
     set_written_camera(read.scene);
     read.colors = scale;
+    read.choices.columns = std::move(columns_), read.choices.color_by = options_.color_by;
     return read;
   }
   // Restores the camera from a comment of write_ply().
@@ -442,6 +444,7 @@ class PlyReader {
   std::array<std::optional<size_t>, kWanted> at_;  // indices of vertex properties
   std::array<bool, kWanted> is_whole_{};
   std::optional<size_t> colored_by_;  // index of the vertex property for colours
+  std::vector<std::string> columns_;  // properties of vertices
   bool has_faces_ = false;
   std::vector<Sphere> spheres_;          // vertices of a file without faces
   std::vector<Vec3f> places_, normals_;  // vertices of a file with faces

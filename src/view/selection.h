@@ -1,0 +1,41 @@
+// Picked primitives: what they are, and distances and angles between them. No window.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "view/state.h"
+
+namespace raio::core::view {
+
+/// The distance between two points; the angle at the second of three, and the dihedral angle of
+/// four about the line through the middle ones, in degrees. The dihedral is positive if, seen along
+/// that line, the far end is clockwise of the near one (IUPAC 1974).
+double distance(Vec3d a, Vec3d b);
+double angle_deg(Vec3d a, Vec3d b, Vec3d c);
+double dihedral_deg(Vec3d a, Vec3d b, Vec3d c, Vec3d d);
+
+/// Up to four picks, the oldest first.
+class Selection {
+ public:
+  static constexpr size_t kMost = 4;
+
+  /// Replaces all, or with `more` adds; a fifth pick starts anew.
+  void pick(const Pick& pick, bool more);
+  void clear() { picks_.clear(); }
+  bool empty() const { return picks_.empty(); }
+  const std::vector<Pick>& picks() const { return picks_; }
+
+  /// "distance 3.81 Å", or the angle or the dihedral; empty for less than two picks.
+  std::string measure(const std::string& unit = {}) const;
+  /// The last pick, a fact per line: what it is, its material, its place in the file's coordinates.
+  std::vector<std::string> lines(const Scene& scene) const;
+
+ private:
+  std::vector<Pick> picks_;
+};
+
+}  // namespace raio::core::view
