@@ -219,7 +219,7 @@ void AppState::move_camera(const Camera& camera) {
 }
 
 Camera AppState::fit() const {
-  Camera camera = fitted(shown_camera(), bounds(*view.scene), stage.aspect());
+  Camera camera = fitted(shown_camera(), view.box, stage.aspect());
   camera.fov_deg = view.camera.fov_deg;
   return camera;
 }

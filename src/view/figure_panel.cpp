@@ -310,7 +310,7 @@ class FigurePanel {
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_Logarithmic))
       set("occlusion-rays", fmt::format("{}", rays));
     tooltip(option_of("occlusion-rays"));
-    const Box3f box = bounds(*state_.scene);
+    const Box3f& box = state_.box;
     const float size = box.empty() ? 1 : length(box.size());
     float reach = figure.occlusion_distance;
     label("reach");

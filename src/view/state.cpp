@@ -59,6 +59,7 @@ const char* effect_name(Command effect) { return key_of(effect).help; }
 
 ViewState::ViewState(std::string p, std::shared_ptr<const Scene> s, const RenderOptions& o)
     : path(std::move(p)), scene(std::move(s)), options(o) {
+  box = bounds(*scene);
   camera = first_camera(o, *scene);
   frame_aspect_ = frame_aspect(o, *scene);
   reset_camera(options);
@@ -81,9 +82,11 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   if (moved != Vec3d()) {  // the camera's place in the file stays
     camera.from = Vec3f(Vec3d(camera.from) + moved), camera.at = Vec3f(Vec3d(camera.at) + moved);
     if (focus_point) *focus_point = *focus_point + moved;
+    if (pivot) *pivot = *pivot + moved;
   }
   if (!same_file) camera.projection = scene->camera.projection;
   if (!same_file || own) camera = own_camera();
+  box = bounds(*scene);
   frame_aspect_ = frame_aspect(options, *scene);
   if (same_file) return follow_focus();
   pivot.reset();
@@ -99,7 +102,6 @@ Camera ViewState::own_camera() const {
 
 std::optional<Vec3d> ViewState::turning_point() const {
   if (pivot || scene->dialect != Dialect::data) return pivot;
-  const Box3f box = bounds(*scene);
   if (box.empty()) return std::nullopt;
   return Vec3d(box.lo) * 0.5 + Vec3d(box.hi) * 0.5;
 }

@@ -57,6 +57,7 @@ class ViewState {
   std::string program = "raio";           // as it was started
   ReadOptions read_options = kForWindow;  // for the file
   std::shared_ptr<const Scene> scene;
+  Box3f box;  // of its primitives, which edits in the window leave as they are
   std::shared_ptr<const ReadScene> file;  // as read with `read_options`; null if written here
   uint32_t file_version = 0;              // of the file on the disk, counted by AppState
   app::Annotations annotations;           // those that do not fit are not drawn
