@@ -97,42 +97,38 @@ const char* const kCoolwarm =
     "ca3b37c83836c73635c53334c43032c32e31c12b30c0282fbe242ebd1f2dbb1b2cba162bb8122ab70d28b50927"
     "b40426";
 
-using Map = std::array<Rgb, kMapColors>;
-
-std::optional<Map> find_map(std::string_view name) {
+// The colours of a map, six digits each; null if there is no such map.
+const char* digits_of(std::string_view name) {
   const char* const maps[] = {kViridis, kPlasma, kCividis, kCoolwarm};
   const auto at = std::ranges::find(kColormaps, name);
-  if (at == std::end(kColormaps)) return std::nullopt;
-  Map out;
-  const char* digits = maps[at - kColormaps];
-  for (Rgb& color : out) {
-    uint32_t rrggbb = 0;
-    std::from_chars(digits, digits + 6, rrggbb, 16);
-    color = linear_from_srgb(rrggbb);
-    digits += 6;
-  }
-  return out;
+  return at == std::end(kColormaps) ? nullptr : maps[at - kColormaps];
+}
+
+Rgb color_at(const char* digits, size_t index) {
+  uint32_t rrggbb = 0;
+  std::from_chars(digits + 6 * index, digits + 6 * index + 6, rrggbb, 16);
+  return linear_from_srgb(rrggbb);
 }
 
 // NaN gives the first.
-const Rgb& color_in(const Map& map, float part) {
-  return map[part > 0 ? size_t(std::min(part, 1.0f) * (kMapColors - 1) + 0.5f) : 0];
+size_t index_at(float part) {
+  return part > 0 ? size_t(std::min(part, 1.0f) * (kMapColors - 1) + 0.5f) : 0;
 }
 
 }  // namespace
 
 std::optional<Rgb> map_color(std::string_view name, float part) {
-  const auto map = find_map(name);
-  if (!map) return std::nullopt;
-  return color_in(*map, part);
+  const char* const digits = digits_of(name);
+  if (!digits) return std::nullopt;
+  return color_at(digits, index_at(part));
 }
 
 std::expected<MappedColors, std::string> map_colors(std::span<const float> values,
                                                     std::string_view name,
                                                     std::optional<std::array<double, 2>> range) {
   if (name.empty()) name = kColormaps[0];
-  const auto map = find_map(name);
-  if (!map)
+  const char* const digits = digits_of(name);
+  if (!digits)
     return std::unexpected(
         fmt::format("unknown colour map '{}'; expected {}", name, fmt::join(kColormaps, ", ")));
   double least = 0, most = 0;
@@ -145,10 +141,12 @@ std::expected<MappedColors, std::string> map_colors(std::span<const float> value
   }
   if (range) least = (*range)[0], most = (*range)[1];
   MappedColors out{{}, {"", std::string(name), least, most}};
+  std::array<Rgb, kMapColors> map;
+  for (size_t i = 0; i < map.size(); ++i) map[i] = color_at(digits, i);
   out.colors.reserve(values.size());
   for (const float value : values)
     out.colors.push_back(
-        color_in(*map, most == least ? 0 : float((double(value) - least) / (most - least))));
+        map[index_at(most == least ? 0 : float((double(value) - least) / (most - least)))]);
   return out;
 }
 
