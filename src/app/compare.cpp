@@ -53,8 +53,8 @@ struct RegionSum {
   double change = 0;  // B minus A, summed over pixels above 8
 };
 
-// Where to look first: where most pixels differ. Reflections also show what is wrong elsewhere, so
-// mirrors and shiny surfaces count only if matt ones hardly differ.
+// Recommends the region in which most pixels differ. Reflections also show what is wrong elsewhere,
+// so mirrors and shiny surfaces count only if matt ones hardly differ.
 Region suspect(std::span<const RegionSum> sums) {
   const auto apart = [&](Region r) { return sums[size_t(r)].apart; };
   const size_t matt = apart(Region::shadow_border) + apart(Region::shadow) + apart(Region::lit);

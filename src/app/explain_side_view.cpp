@@ -97,8 +97,8 @@ std::vector<Vec3d> points_to_see(const SideView& view, const Box3d& box,
 }
 
 // Moves the camera, which looks along `forward`, to the nearest place from which it sees all of
-// the points, with a margin. Between its left and its right plane they fit if it is far enough
-// back; that position decides how far left or right it is; likewise above and below.
+// the points, with a margin. The left and right planes of the view give the least distance and the
+// sideways position, the upper and lower planes another least distance and the height.
 void move_to_see(Camera& camera, const std::vector<Vec3d>& points, const Vec3d& forward,
                  double extent, double width_per_height) {
   const Vec3d right = normalize(cross(forward, Vec3d(camera.up))), above = cross(right, forward);

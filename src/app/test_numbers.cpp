@@ -137,7 +137,7 @@ class TestWriter {
 
   void write(const MovingTriangle& t) {
     out_.formula =
-        "A = A0 + (A1 - A0) (time - t0) / (t1 - t0) - O, B and C likewise\n"
+        "A = A0 + (A1 - A0) (time - t0) / (t1 - t0) - O, and the same for B and C\n"
         "U = (C x B).D, V = (A x C).D, W = (B x A).D\nU, V, W >= 0 or U, V, W <= 0\n"
         "b0, b1, b2 = U, V, W / (U + V + W)\nt = (b0 A + b1 B + b2 C).D";
     const double part = part_moved(t.begin, t.end, ray_.time);

@@ -40,7 +40,8 @@ HWY_INLINE V3 refract(const V3& dir, const V3& n, V eta, M& in) {
   return renormalize(d, dir * eta + n * hn::Sub(hn::Mul(eta, cosine), root));
 }
 
-// Where a smooth normal would leave the ray on its side, the geometric one decides.
+// If the smooth normal sends the ray to the wrong side of the surface, the geometric normal
+// replaces it.
 HWY_INLINE V3 refracted(const V3& dir, const V3& normal, const V3& geometric, V eta, M& in) {
   M in_flat = in;
   const V3 out = refract(dir, normal, eta, in), flat = refract(dir, geometric, eta, in_flat);

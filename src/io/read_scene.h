@@ -69,7 +69,7 @@ struct LegendEntry {
   Rgb color;  // linear
 };
 
-/// What a file leaves to ReadOptions, and what was chosen.
+/// The ReadOptions that apply to a file, and the values that were used.
 struct ReadChoices {
   // Whether these have an effect: style, selections, cell and images; colours by a column; smooth.
   bool atoms = false, points = false, mesh = false;

@@ -18,7 +18,7 @@
 
 namespace raio::core {
 
-/// What is timed: one sample of every pixel of the picture as the options describe it; or the whole
+/// The timed work: one sample of each pixel of the picture that the options describe; or the whole
 /// picture with the samples of the 2018 report, as the benchmark does: 9 per pixel with
 /// antialiasing, 3 with depth of field, 27 with both.
 enum class CostOf : uint8_t { sample, report };

@@ -1,4 +1,4 @@
-// What a file says about the atoms of its scene, for people who pick one.
+// The element, residue and chain of each atom of a scene, shown when a user picks one.
 #pragma once
 
 #include <cstdint>
