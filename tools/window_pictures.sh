@@ -46,6 +46,12 @@ sleep 12
 shoot "$pictures/view.png"
 close
 
+open 8 scenes/droplet.dump
+xdotool mousemove 380 380 click 1
+sleep 3
+shoot "$pictures/view-figure.png"
+close
+
 open 2 scenes/shapes.nff --size 480x320 "${lights[@]}" --dof --aperture 0.06
 keys h d d x
 sleep 5
