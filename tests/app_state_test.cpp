@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 
 #include "view_scenes.h"
@@ -192,6 +193,103 @@ TEST_F(AppStateTest, AnotherFileIsANewStartAndANewVersionAStep) {
   EXPECT_EQ(app.view.path, "other.nff");
   EXPECT_FALSE(app.history.can_undo());
   EXPECT_EQ(find<request::OpenFile>(tell(event::FileDropped{"third.nff"}))->path, "third.nff");
+}
+
+TEST_F(AppStateTest, AnotherProgramsPictureIsComparedAtItsSize) {
+  EXPECT_EQ(find<request::CompareWith>(tell(event::FileDropped{"mine.PPM"}))->path, "mine.PPM");
+  auto mine = std::make_shared<ComparedPicture>("mine.ppm", Image(30, 20));
+  Requests requests = tell(ComparedFile::Read{"mine.ppm", mine});
+  EXPECT_EQ(app.other, Other::compared);
+  EXPECT_TRUE(app.view.has_bar());
+  // Pixels are squares of the screen.
+  requests = tell(event::Resized{.width = 715, .height = 371, .pixels_per_unit = 1, .em = 15});
+  ASSERT_TRUE(find<request::Render>(requests));
+  EXPECT_EQ(find<request::Render>(requests)->what.options.width, 30);
+  const float times = (app.stage.hi.x - app.stage.lo.x) / 30;
+  EXPECT_GT(times, 2);
+  EXPECT_EQ(times, std::floor(times));
+  EXPECT_EQ(app.stage.hi.y - app.stage.lo.y, 20 * times);
+  // `x` shows the differences, and a click the rays.
+  (void)press('X');
+  EXPECT_EQ(app.other, Other::difference);
+  EXPECT_FALSE(app.view.split);
+  (void)press('X');
+  EXPECT_EQ(app.other, Other::compared);
+  (void)tell(event::CursorMoved{app.stage.lo.x + 2.5 * times, app.stage.lo.y + 1.5 * times});
+  (void)tell(event::MouseButton{.number = 0, .down = true});
+  requests = tell(event::MouseButton{.number = 0, .down = false});
+  ASSERT_TRUE(find<request::Inspect>(requests));
+  EXPECT_EQ(int(find<request::Inspect>(requests)->from.x * 30), 2);
+  EXPECT_EQ(int(find<request::Inspect>(requests)->from.y * 20), 1);
+  // A new version of the scene keeps it; another scene and Escape end it.
+  EXPECT_FALSE(find<request::StopComparing>(tell(read("some.nff"))));
+  EXPECT_TRUE(app.view.compared);
+  EXPECT_TRUE(find<request::StopComparing>(press(kEscape)));
+  EXPECT_EQ(app.other, Other::none);
+  EXPECT_EQ(app.view.picture_size()[0], 64);
+  (void)tell(ComparedFile::Read{"mine.ppm", mine});
+  EXPECT_TRUE(find<request::StopComparing>(tell(read("other.nff"))));
+  EXPECT_FALSE(app.view.compared);
+}
+
+TEST_F(AppStateTest, APictureNeedsItsSceneFirst) {
+  app.view.path.clear();
+  EXPECT_THAT(lines(tell(event::FileDropped{"mine.png"})), HasSubstr("open the scene of this"));
+  EXPECT_THAT(lines(press(292)), HasSubstr("no scene is open"));
+}
+
+TEST_F(AppStateTest, ALessonsCommandSetsSceneOptionsAndPixel) {
+  Requests requests = press(291);  // F2
+  ASSERT_TRUE(find<request::OpenLesson>(requests));
+  (void)tell(event::Resized{.width = 1400, .height = 371, .pixels_per_unit = 1, .em = 15});
+  EXPECT_GT(app.layout.lesson.width(), 200);
+  EXPECT_EQ(app.layout.picture.left, app.layout.lesson.right);
+  app::ShownScene shown{.scene = "some.nff", .options = {}};
+  shown.options.no_reflection = true, shown.options.view = View::normals;
+  shown.pixel = {9, 7}, shown.size = {40, 30};
+  event::ControlsUsed used{app.view, {}};
+  used.did.lesson.show = shown;
+  requests = tell(used);
+  ASSERT_TRUE(find<request::OpenFile>(requests));
+  EXPECT_EQ(find<request::OpenFile>(requests)->path, "some.nff");
+  EXPECT_EQ(find<request::OpenFile>(requests)->options, kForWindow);
+  EXPECT_FALSE(app.view.options.no_reflection) << "not before the file is read";
+  requests = tell(read("some.nff"));
+  ASSERT_TRUE(find<request::Render>(requests));
+  EXPECT_TRUE(app.view.options.no_reflection);
+  EXPECT_EQ(find<request::Render>(requests)->what.options.view, View::normals);
+  EXPECT_EQ(app.view.program, "raio");
+  // The pixel's rays, once they can be traced: at the same place of the scene's frame.
+  requests = take(picture());
+  ASSERT_TRUE(find<request::Inspect>(requests));
+  const ImVec2 at = find<request::Inspect>(requests)->from;
+  const double across = app.stage.lo.x + double(at.x) * (app.stage.hi.x - app.stage.lo.x);
+  const double middle = (app.stage.lo.x + app.stage.hi.x) / 2;
+  EXPECT_NEAR((across - middle) / (app.stage.hi.y - app.stage.lo.y), (9.5 - 20) / 30, 1e-4);
+  EXPECT_NEAR(at.y, 7.5 / 30, 1e-4);
+  EXPECT_FALSE(find<request::Inspect>(take(picture()))) << "once";
+  // It is a step that can be undone.
+  (void)tick();
+  (void)press('Z', {.ctrl = true});
+  EXPECT_FALSE(app.view.options.no_reflection);
+  EXPECT_FALSE(find<request::CloseWindow>(press(kEscape)));
+  EXPECT_FALSE(app.shows_lesson);
+}
+
+TEST_F(AppStateTest, ALessonsCommandThatTheWindowRefusesSaysWhy) {
+  app::ShownScene shown{.scene = "gone.nff", .options = {}};
+  event::ControlsUsed used{app.view, {}};
+  used.did.lesson.show = shown;
+  (void)tell(used);
+  Diagnostic why;
+  why.file = "gone.nff", why.message = "does not exist";
+  SceneFile::Read failed = read("gone.nff");
+  failed.scene = std::unexpected(Diagnostics{why});
+  EXPECT_THAT(lines(tell(failed)), HasSubstr("does not exist"));
+  // A later file of this name is not the lesson's.
+  (void)press('R');
+  (void)tell(read("gone.nff"));
+  EXPECT_TRUE(app.view.options.no_reflection);
 }
 
 TEST_F(AppStateTest, OptionsOfReadingAreUsedOnceTheFileIsReadAndUndone) {

@@ -27,21 +27,24 @@ using testing::UnorderedElementsAre;
 
 const ImVec2 kSize(900, 700);
 
-TEST(Dialogs, WelcomeOpensEachOfItsScenes) {
+TEST(Dialogs, WelcomeOpensEachOfItsScenesAndLessons) {
+  const ImVec2 size(kSize.x, 1000);  // shows all of them
   const WelcomeFacts facts{
       .recent = {"/a/one.nff", "/b/two.nff"},
-      .samples = {.course = {"/s/course/four.nff"}, .others = {"/s/three.nff"}}};
+      .samples = {.course = {"/s/course/four.nff"}, .others = {"/s/three.nff"}},
+      .lessons = {{"/d/1-camera.md", "1. Camera", "Which ray?", ""}}};
   std::multiset<std::string> opened;
   Screen screen(
       [&] {
-        const WelcomeResult now = draw_welcome({0, 0, kSize.x, kSize.y}, facts);
+        const WelcomeResult now = draw_welcome({0, 0, size.x, size.y}, facts);
         if (now.open) opened.insert(*now.open);
+        if (now.lesson) opened.insert(*now.lesson);
         if (now.asks) opened.insert("asks");
       },
-      kSize);
+      size);
   for (const ImVec2 place : screen.widgets() | std::views::values) screen.click(place);
   EXPECT_THAT(opened, UnorderedElementsAre("/a/one.nff", "/b/two.nff", "/s/course/four.nff",
-                                           "/s/three.nff", "asks"));
+                                           "/s/three.nff", "/d/1-camera.md", "asks"));
 }
 
 // Below the last row there is nothing, and no card is cut at the right.

@@ -195,7 +195,7 @@ TEST(FileDialog, ListsFoldersThenScenes) {
   for (const char* name : {"b.nff", "a.raio", "c.png", ".d.nff"})
     ASSERT_TRUE(write_file(folder / name, "x"));
   EXPECT_EQ(entries_of(folder), (std::vector<std::string>{"A/", "z/", "a.raio", "b.nff"}));
-  EXPECT_EQ(entries_of(folder, true),
+  EXPECT_EQ(entries_of(folder, FileKind::all),
             (std::vector<std::string>{"A/", "z/", "a.raio", "b.nff", "c.png"}));
   EXPECT_TRUE(entries_of(folder / "nowhere").empty());
   std::filesystem::remove_all(folder);

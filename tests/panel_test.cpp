@@ -70,8 +70,10 @@ void expect_saved(const ViewState& state) {
   EXPECT_EQ(difference(state, again), "");
 }
 
-const std::set<std::string> kSections = {"###Effects",
+const std::set<std::string> kSections = {"###Selection",
+                                         "###Effects",
                                          "###Statistics",
+                                         "###Your picture",
                                          "###The structure's boxes",
                                          "###What each effect costs",
                                          "###All combinations of effects",
@@ -175,6 +177,8 @@ TEST(Panel, EveryPanelControlResponds) {
   facts.costs.picture_width = 160, facts.costs.picture_height = 120;
   facts.costs.curve.points = {{.factor = 1, .tests = 4, .steps = 2}};
   facts.boxes = {.drawn = 8, .all = 8, .levels = 3, .most = 10};
+  facts.selection.lines = {"sphere 1"};
+  facts.selection.material = 1, facts.selection.can_focus = true;
   PanelResult result;
   std::set<std::string> pressed;
   size_t presses = 0;
@@ -187,6 +191,7 @@ TEST(Panel, EveryPanelControlResponds) {
     const PanelResult now = draw_panel(state, facts, {0, 0, kWidth, kHeight});
     for (const KeySpec* key : now.pressed) pressed.insert(key->help), ++presses;
     result.changed |= now.changed, result.saves_curve |= now.saves_curve;
+    if (now.selection != SelectionUse::nothing) result.selection = now.selection;
     if (!now.problem.empty()) result.problem = now.problem;
   };
   Screen screen(draw);
@@ -213,8 +218,7 @@ TEST(Panel, EveryPanelControlResponds) {
       answers |= screen.is_popup_open() || ImGui::GetIO().WantTextInput || result.changed ||
                  !result.problem.empty() || presses > presses_before || language() != spoken ||
                  result.saves_curve || state.boxes != before.boxes ||
-
-                 !difference(before, state).empty();
+                 result.selection != SelectionUse::nothing || !difference(before, state).empty();
       for (const std::string& name : kSections)
         answers |= !panel->StateStorage.GetInt(panel->GetID(name.c_str()), 1);
     };
@@ -229,9 +233,60 @@ TEST(Panel, EveryPanelControlResponds) {
   }
   for (const char* key : {"antialiasing", "soft shadows", "depth of field", "reflection",
                           "refraction", "gloss", "translucency", "structure", "measure 16",
-                          "show boxes", "measure grids", "light or dark", "big type"})
+                          "show boxes", "measure grids", "light or dark", "big type", "compare"})
     EXPECT_TRUE(pressed.contains(key)) << key;
   EXPECT_FALSE(pressed.contains("motion blur")) << "nothing moves in this scene";
+}
+
+TEST(Panel, TheSelectionMovesNothingAndOffersWhatFits) {
+  ViewState state = state_of_three();
+  PanelFacts facts;
+  std::set<SelectionUse> uses;
+  bool changed = false;
+  Screen screen([&] {
+    const PanelResult now = draw_panel(state, facts, {0, 0, kWidth, kHeight});
+    uses.insert(now.selection), changed |= now.changed;
+  });
+  ImGuiWindow* const panel = ImGui::FindWindowByName("panel");
+  open_sections(*panel, {"###Selection"}), screen.frame(), screen.frame();
+  const float height = panel->ContentSize.y;
+  const auto offered = [&](const SelectionFacts& selection) {
+    facts.selection = selection, uses.clear(), changed = false;
+    screen.frame(), screen.frame();
+    EXPECT_EQ(panel->ContentSize.y, height) << "the sections below stay";
+    const ImGuiWindow* part = nullptr;
+    for (const ImGuiWindow* window : screen.context().Windows)
+      if (window->ParentWindow == panel) part = window;
+    EXPECT_TRUE(part);
+    if (!part) return uses;
+    EXPECT_LE(part->ContentSize.y, part->Size.y) << "all is visible";
+    const ImVec2 lo = part->Pos, hi(lo.x + part->Size.x, lo.y + part->Size.y);
+    for (const ImVec2 place : screen.widgets({lo.x, lo.y, hi.x, hi.y}) | std::views::values) {
+      const ViewState before = state;
+      screen.drag(place);
+      if (state.scene == before.scene) screen.click(place);
+      ImGui::ClosePopupsOverWindow(nullptr, false), ImGui::ClearActiveID(), screen.frame();
+    }
+    uses.erase(SelectionUse::nothing);
+    return uses;
+  };
+  using enum SelectionUse;
+  EXPECT_THAT(offered({}), testing::IsEmpty());
+  SelectionFacts atom;
+  atom.lines = {"sphere 1, material 1", "C, ALA 1 CA", "atom 1", "at 0, 0, 0", "distance 1"};
+  atom.material = 1, atom.is_atom = true;
+  EXPECT_THAT(offered(atom), testing::ElementsAre(inspect, turn, clear, hide));
+  EXPECT_FALSE(changed) << "its material is that of other atoms";
+  atom.has_residue = atom.has_chain = atom.can_focus = true;
+  EXPECT_THAT(offered(atom),
+              testing::ElementsAre(focus, inspect, turn, clear, hide, hide_residue, hide_chain));
+  SelectionFacts mesh;
+  mesh.lines = {"triangle 1, material 1", "at 0, 0, 0"}, mesh.material = 1;
+  const Rgb first = state.scene->materials[0].color, second = state.scene->materials[1].color;
+  EXPECT_THAT(offered(mesh), testing::ElementsAre(inspect, turn, clear));
+  EXPECT_TRUE(changed);
+  EXPECT_NE(state.scene->materials[1].color, second);
+  EXPECT_EQ(state.scene->materials[0].color, first);
 }
 
 TEST(Panel, EveryOptionShowsTheValueInUse) {
@@ -359,10 +414,10 @@ TEST(Panel, EveryToolPressesItsKey) {
     }
     EXPECT_EQ(pressed.size(), before + 1) << "at " << x;
   }
-  for (const char* key :
-       {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows", "depth of field",
-        "reflection", "refraction", "gloss", "translucency", "motion blur"})
+  for (const char* key : {"open", "save scene", "undo", "redo", "antialiasing", "soft shadows",
+                          "depth of field", "reflection", "refraction", "gloss", "translucency"})
     EXPECT_THAT(pressed, testing::Contains(key));
+  EXPECT_THAT(pressed, testing::Not(testing::Contains("motion blur"))) << "nothing moves";
   EXPECT_EQ(std::set<std::string>(pressed.begin(), pressed.end()).size(), pressed.size());
 }
 

@@ -19,7 +19,7 @@
 
 namespace raio::core::view {
 
-inline constexpr float kWidth = 420, kHeight = 3000;
+inline constexpr float kWidth = 420, kHeight = 3400;
 
 inline ViewState state_of_three() {
   Scene s;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "io/image/image.h"
 #include "window_fixture.h"
@@ -66,6 +68,45 @@ TEST_F(WindowFilesTest, AtomsAreDrawnAsRequested) {
   EXPECT_TRUE(window.wait_for("command: .* --style sticks", from)) << window.log();
 }
 
+// A key that follows a click before the next frame: only that frame shows that a field was hit.
+TEST_F(WindowFilesTest, KeysRightAfterAClickIntoAFieldAreText) {
+  put(file("water.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");
+  remember("size 900 900");
+  WindowDriver window(*display_, {"water.xyz"}, folder().string());
+  constexpr int kAcross = 700;  // in the panel
+  int down = 40;
+  const auto is_field = [&](int y) {
+    window.click(100, 100);
+    const size_t from = window.log().size();
+    window.click(kAcross, y);
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    return window.log().find(" types\n", from) != std::string::npos;
+  };
+  // Until a field of the section Figure is hit, and again: the first hit may have been that of the
+  // click before.
+  while (down < 850 && !(is_field(down) && is_field(down))) down += 8;
+  ASSERT_LT(down, 850) << window.log();
+  constexpr int kTimes = 10;
+  for (int i = 0; i < kTimes; ++i) {
+    size_t from = window.mark();
+    window.click(100, 100);
+    ASSERT_TRUE(window.wait_for("typed", from)) << window.log();
+    from = window.mark();
+    window.click(kAcross, down);
+    window.key(i % 2 == 0 ? XK_k : XK_l);
+    ASSERT_TRUE(window.wait_for("types", from)) << window.log();
+  }
+  for (const char* said : {"boxes of the structure", "light colours", "dark colours"})
+    EXPECT_EQ(window.log().find(said), std::string::npos) << said;
+  // After a click into the picture they are keys.
+  const size_t from = window.mark();
+  window.click(100, 100);
+  ASSERT_TRUE(window.wait_for("typed", from)) << window.log();
+  window.click(100, 100);
+  window.key(XK_k);
+  EXPECT_TRUE(window.wait_for("boxes of the structure shown", from)) << window.log();
+}
+
 TEST_F(WindowFilesTest, ShowsPicturesAsTheyAreWritten) {
   const auto window =
       open({"--aa", "1", "--exposure", "0.5", "--tone", "agx", "--background", "navy"});
@@ -121,6 +162,32 @@ TEST_F(WindowFilesTest, ADeletedFileIsReportedAndReadWhenItReturns) {
   put(file("scene.nff"), kWindowScene);
   ASSERT_TRUE(window->wait_for("opened scene.nff", from)) << window->log();
   EXPECT_TRUE(window->picture(from));
+}
+
+TEST_F(WindowFilesTest, ComparesWithAnotherProgramsPicture) {
+  const std::string render = RAIO_PROGRAM " render scene.nff";
+  run(render + " --size 40x30 -o .png", "mine.ppm");
+  const auto window = open({"--compare", "mine.ppm", "--size", "160x120"});
+  ASSERT_TRUE(window->wait_for("compared: samples 1 rmse 0 largest 0 above 8 0", 0))
+      << window->log();
+  EXPECT_TRUE(window->wait_for("picture: 40x30 ", 0)) << window->log();
+  // It is read again when the program has written it again.
+  size_t from = window->mark();
+  run(render + " --size 40x30 --no-reflection -o .png", "mine.ppm");
+  const auto found =
+      window->wait_for("compared: samples 1 rmse ([0-9.]+) .* above 8 0.[0-9]+", from);
+  ASSERT_TRUE(found) << window->log();
+  // As `raio compare` finds it.
+  run(render + " --size 40x30 -o .png", "raio.ppm");
+  const Image a = *read_image(file("raio.ppm")), b = *read_image(file("mine.ppm"));
+  EXPECT_EQ(found->groups[1], fmt::format("{:.6g}", compare(a, b).rmse));
+  // The effect that the other program lacks.
+  from = window->mark();
+  window->key(XK_r);
+  EXPECT_TRUE(window->wait_for("compared: samples 1 rmse 0 ", from)) << window->log();
+  from = window->mark();
+  put(file("mine.ppm"), "P6 2");
+  EXPECT_TRUE(window->wait_for("mine.ppm: ", from)) << window->log();
 }
 
 TEST_F(WindowFilesTest, OpensASceneByItsNameAndRemembersIt) {

@@ -143,7 +143,7 @@ def lens():
     spread = 2 * abs(1 - 7.2 / 4)
     middle = axis + 0.4 * 7.2 / 4
     d.line((8.2, middle - spread / 2), (8.2, middle + spread / 2), RED, 4)
-    for x, y, words in ((0.3, 0.55, "lens, 2R"), (4.2, 0.1, "plane of focus, f"), (8.3, 2.9, "blur"),
+    for x, y, words in ((0.3, 0.55, "lens, 2R"), (4.2, 0.1, "plane of focus, f"), (8.3, 2.9, "disc"),
                         (8.15, 1.6, "z")):
         d.text(x, y, words)
     return d

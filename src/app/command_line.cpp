@@ -21,6 +21,7 @@
 #include "app/manual.h"
 #include "app/outline.h"
 #include "app/output.h"
+#include "app/shown_scene.h"
 #include "app/terminal.h"
 #include "app/version.h"
 #include "app/window_keys.h"
@@ -256,6 +257,10 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   // Hidden, not unknown: window_conflict() says why the window refuses them.
   for (const OptionSpec& spec : render_option_table())
     if (!spec.of_window) sub->get_option("--" + std::string(spec.name))->group("");
+  add_file(*sub, "--compare", view.compare,
+           "Compare with this picture by another program, such as yours: side by side, their "
+           "differences, the rays of a pixel; it is read again whenever it changes",
+           "IMAGE");
   static constexpr std::string_view kLanguages[] = {"en", "pt"};
   sub->add_option(
          "--language", view.language,
@@ -267,6 +272,9 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
   sub->add_flag("--log", view.log, "Log events to standard error");
   sub->callback([&] {
     refuse_conflict(view.options);
+    if (!view.compare.empty() && view.scene.empty())
+      throw CLI::ParseError("--compare needs the scene of the picture; name its file, too",
+                            kBadInput);
     if (const auto why = window_conflict(view.options))
       throw CLI::ParseError(text_of(*why), kBadInput);
     view.program = invocation.argv[0];
@@ -488,6 +496,51 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
 }
 
 }  // namespace
+
+std::optional<ShownScene> shown_scene(const std::vector<std::string>& words) {
+  const std::string command = words.empty() ? "" : words.front();
+  CLI::App app;
+  int status = kDone;
+  RenderCommand render;
+  ViewCommand view;
+  ExplainCommand explain;
+  const Invocation nothing{};
+  if (command == "render")
+    add_render(app, render, status);
+  else if (command == "view")
+    add_view(app, view, nothing, status);
+  else if (command == "explain")
+    add_explain(app, explain, status);
+  else
+    return std::nullopt;
+  CLI::App& sub = *app.get_subcommand(command);
+  sub.callback([] {});  // does not run the command
+  // Its limit would take effect during parsing.
+  if (auto* limit = sub.get_option_no_throw("--memory-limit")) sub.remove_option(limit);
+  try {
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // as CLI11 expects them
+  } catch (const CLI::ParseError&) {
+    return std::nullopt;
+  }
+  ShownScene shown;
+  if (command == "render") {
+    if (render.scenes.size() != 1 || render.turntable > 0 || render.frames) return std::nullopt;
+    shown = {render.scenes.front(), render.options, render.read};
+  } else if (command == "view") {
+    shown = {view.scene, view.options, view.read};
+  } else {
+    shown = {explain.scene, explain.options, explain.read, explain.pixel};
+    if (explain.options.width > 0) shown.size = {explain.options.width, explain.options.height};
+  }
+  RenderOptions& options = shown.options;
+  options.width = options.height = options.threads = 0;
+  options.dpi = 0, options.channels = {};
+  options.print.reset(), options.crop.reset();
+  if (shown.scene.empty() || is_standard_output(shown.scene) || option_conflict(options) ||
+      window_conflict(options))
+    return std::nullopt;
+  return shown;
+}
 
 int run_command_line(int argc, char** argv, OpenWindow open_window) {
   try {

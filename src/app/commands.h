@@ -56,6 +56,7 @@ int run(const MergeCommand& command);
 struct ViewCommand {
   std::string scene;     // empty: the window offers some
   std::string program;   // as it was started: "./raio"
+  std::string compare;   // a picture by another program, shown beside; empty: none
   std::string language;  // of the window: "en" or "pt"; empty: the system's
   bool log = false;      // log events to standard error
   RenderOptions options;

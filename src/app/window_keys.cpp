@@ -11,7 +11,8 @@ namespace raio::core::app {
 namespace {
 
 // GLFW's codes of non-character keys; this file is tested without GLFW.
-constexpr int kSpace = 32, kEnter = 257, kEscape = 256, kHome = 268, kF1 = 290, kF11 = 300;
+constexpr int kSpace = 32, kEnter = 257, kEscape = 256, kHome = 268, kF1 = 290, kF2 = 291,
+              kF3 = 292, kF11 = 300;
 
 constexpr Modifiers kShift{.shift = true}, kCtrl{.ctrl = true},
     kCtrlShift{.shift = true, .ctrl = true};
@@ -37,7 +38,15 @@ constexpr auto kKeys = std::to_array<KeySpec>({
      Command::split,
      "x",
      "split view",
-     "Split view: with and without the effect switched last; drag the bar"},
+     "Split view: with and without the effect switched last; drag the bar. While comparing: both "
+     "pictures, "
+     "or their differences"},
+    {kF3,
+     {},
+     Command::compare,
+     "F3",
+     "compare",
+     "Compares with a picture of another program, such as yours; again: ends it"},
     {'M',
      {},
      Command::measure,
@@ -93,6 +102,12 @@ constexpr auto kKeys = std::to_array<KeySpec>({
     {'7', {}, Command::show_view, "7", "tests", "View: primitives tested by each ray"},
     {'8', {}, Command::show_view, "8", "focus", "View: what is in focus"},
     {'9', {}, Command::show_view, "9", "samples", "View: samples of each pixel"},
+    {kF2,
+     {},
+     Command::lesson,
+     "F2",
+     "lesson",
+     "A lesson of the course beside the picture; again: closes it"},
     {'O', kCtrl, Command::open, "Ctrl+O", "open", "Opens a scene"},
     {'S', kCtrl, Command::save_scene, "Ctrl+S", "save scene",
      "Saves the scene with its camera, background, lights and materials"},
@@ -124,7 +139,7 @@ constexpr auto kHands = std::to_array<HandSpec>({
     {"ctrl and wheel", "The aperture, at any time"},
     {"right button", "Looks around; with W A S D E Q: walks"},
     {"arrows", "Walk"},
-    {"drop a file", "Opens it"},
+    {"drop a file", "Opens a scene, or compares with a picture"},
 });
 
 }  // namespace

@@ -6,7 +6,10 @@
 #include <array>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
+#include "io/file.h"
+#include "render/picture.h"
 #include "render/read_options.h"
 
 namespace raio::core {
@@ -110,6 +113,16 @@ std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool 
     return refused(
         fmt::format("its settings cannot be combined: `{}`: {}", why->subject, why->message));
   return options;
+}
+
+std::expected<Image, Error> read_displayed(const std::filesystem::path& path) {
+  auto picture = read_picture(path);
+  if (!picture) return std::unexpected(std::move(picture.error()));
+  if (lower_suffix(path) == ".exr")
+    if (const auto settings = read_metadata(path))
+      if (const auto o = options_from(*settings, false))  // not for other programs' pictures
+        tone_map(picture->color, picture->alpha, o->tone.value_or(Tone::none), o->exposure);
+  return std::move(picture->color);
 }
 
 std::string difference(const Metadata& a, const Metadata& b) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <expected>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -32,6 +33,10 @@ std::string_view setting(const Metadata& settings, std::string_view key);
 /// changes nothing. A sky is a folder, which may be gone; without `reads_sky` the background then
 /// stays open.
 std::expected<RenderOptions, Error> options_from(const Metadata& settings, bool reads_sky = true);
+
+/// A picture of any program as it is displayed: an EXR of Raio's holds light, which gets the tone
+/// curve and exposure in its settings. The file is not trusted.
+std::expected<Image, Error> read_displayed(const std::filesystem::path& path);
 
 /// The differences of two pictures' settings, as in "`aa` 2, not 3; without `samples`, not 7" for
 /// the values of `a` and `b`, for Error::message; empty if there are none. The scene's name is

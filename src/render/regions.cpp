@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <span>
 
@@ -119,6 +120,47 @@ std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
       regions[y * size_t(width) + size_t(x)] = region_of(scene, pixels, width, height, x, int(y));
   });
   return regions;
+}
+
+RegionDifferences differences(const Image& a, const Image& b, const std::vector<Region>& regions) {
+  RegionDifferences found;
+  for (size_t i = 0; i < regions.size(); ++i) {
+    RegionDifference& d = found[size_t(regions[i])];
+    ++d.pixels;
+    const auto x = display_bytes(a.pixels[i]), y = display_bytes(b.pixels[i]);
+    int most = 0, change = 0;
+    for (size_t c = 0; c < 3; ++c)
+      most = std::max(most, std::abs(x[c] - y[c])), change += y[c] - x[c];
+    if (most <= 8) continue;
+    ++d.apart;
+    d.mean += change / 3.0;
+  }
+  for (RegionDifference& d : found) d.mean /= double(std::max<size_t>(d.apart, 1));
+  return found;
+}
+
+std::optional<Region> suspect(const RegionDifferences& found) {
+  const auto apart = [&](Region r) { return found[size_t(r)].apart; };
+  const size_t matt = apart(Region::shadow_border) + apart(Region::shadow) + apart(Region::lit);
+  const size_t reflecting = apart(Region::mirror) + apart(Region::shiny);
+  std::vector<Region> candidates = {Region::background, Region::edge, Region::shadow_border,
+                                    Region::shadow, Region::lit};
+  if (10 * matt < reflecting) candidates.insert(candidates.end(), {Region::mirror, Region::shiny});
+  const Region most = std::ranges::max(candidates, {}, apart);
+  return apart(most) > 0 ? std::optional(most) : std::nullopt;
+}
+
+std::string_view likely_cause(Region region) {
+  static constexpr std::array<std::string_view, kRegionNames.size()> kCauses = {
+      "objects there, the background's colour, or the camera",
+      "antialiasing, the lens, or the camera by a fraction of a pixel; whole objects: geometry",
+      "reflected and refracted rays: their weights, depth, and clamping",
+      "normals, highlights, clamping, and reflected rays",
+      "positions and sizes of lights, or the number of samples",
+      "shadow rays that start inside the object or end beyond the light; ambient light",
+      "the diffuse part; if B is much darker, shadow rays that start inside the object or end "
+      "beyond the light"};
+  return kCauses[size_t(region)];
 }
 
 }  // namespace raio::core

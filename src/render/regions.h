@@ -2,13 +2,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "accel/accel.h"
 #include "base/executor.h"
 #include "integrate/settings.h"
+#include "io/image/image.h"
 #include "scene/scene.h"
 
 namespace raio::core {
@@ -31,5 +34,24 @@ inline constexpr std::array<std::string_view, 7> kRegionNames = {
 /// points. Empty if stopped.
 std::vector<Region> regions_of(const Scene& scene, const Accel& accel,
                                const RenderSettings& settings, const WorkControl& control);
+
+/// How a picture B differs from the reference A in a region.
+struct RegionDifference {
+  size_t pixels = 0;
+  size_t apart = 0;  // pixels with a channel that differs by more than 8 of 255
+  double mean = 0;   // B minus A, over channels and pixels apart, of 255
+};
+using RegionDifferences = std::array<RegionDifference, kRegionNames.size()>;
+
+/// The pictures have the size of `regions`.
+RegionDifferences differences(const Image& a, const Image& b, const std::vector<Region>& regions);
+
+/// The region to examine first: where most pixels differ. Mirrors and shiny surfaces also show what
+/// is wrong elsewhere, so they count only if matt surfaces hardly differ. Nothing for equal
+/// pictures.
+std::optional<Region> suspect(const RegionDifferences& found);
+
+/// What to check in a program whose picture differs there.
+std::string_view likely_cause(Region region);
 
 }  // namespace raio::core

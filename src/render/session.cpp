@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/executor.h"
+#include "render/preview.h"
 #include "scene/columns.h"
 
 namespace raio::core {
@@ -256,12 +257,20 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
   settings.width = scaled(settings.width), settings.height = scaled(settings.height);
   settings.preview_scale = float(settings.width) / float(next.settings.width);
+  const bool is_noisy =
+      settings.integrator == IntegratorKind::ambient && settings.view == View::picture;
+  if (is_noisy)
+    for (const Channel c : {Channel::depth, Channel::id}) settings.channels.add(c);
   const BakedScene& baked = *next.baked;
   const auto film = make_film(*baked.scene, settings);
   if (!film) return fail(film.error(), next);
   if (!render(*baked.scene, *baked.accel, settings, **film, control_, {.samples = 1}).finished)
     return false;
-  next.image = std::make_shared<Image>(picture_of(**film, settings.view));
+  Image image = picture_of(**film, settings.view);
+  if (is_noisy)
+    image = without_noise(image, std::get<Column<float>>((*film)->resolve(Channel::depth)),
+                          std::get<Column<uint32_t>>((*film)->resolve(Channel::id)));
+  next.image = std::make_shared<Image>(std::move(image));
   const double seconds = seconds_since(start);
   const double pixel_s = seconds / (double(settings.width) * settings.height);
   // One number for all sizes: the overhead of small pictures makes the next ones more cautious.

@@ -29,9 +29,9 @@ void AppState::obey(const KeySpec& key) {
     case Command::motion:
       return switch_effect(key.command);
     case Command::split:
-      view.split = !view.split;
-      say(view.split ? tr("side by side: with and without the last effect") : tr("one picture"));
-      return void(renew());
+      return switch_split();
+    case Command::compare:
+      return switch_comparing();
     case Command::pause:
       return switch_pause();
     case Command::panel:
@@ -82,6 +82,8 @@ void AppState::obey(const KeySpec& key) {
     case Command::save_exr:
       to_save_ = key.command == Command::save_png ? ".png" : ".exr";
       return save_when_whole();
+    case Command::lesson:
+      return switch_lesson();
     case Command::open:
       ask(request::AskForFile{FileDialog::Purpose::open});
       return refresh();
@@ -102,7 +104,7 @@ void AppState::finish(Gestures::Done gesture, bool ctrl) {
   using enum Gestures::Done;
   if (gesture == nothing) return;
   const double x = gestures.x(), y = gestures.y();
-  if (gesture == click && !facts_.picks) {
+  if (gesture == click && !facts_.picks && (focuses || !view.compared)) {
     const Pick under = pick_at(x, y);
     if (focuses) return focus_on(under);
     const bool is_second = facts_.now - std::exchange(last_click_, facts_.now) < kDoubleClick;
@@ -125,7 +127,8 @@ void AppState::select(const Pick& pick, bool more) {
   selection.pick(pick, more);
   view.chosen_material = int(pick.material);
   const std::string measure = measured();
-  say(measure.empty() ? fmt::format("{}", fmt::join(selection.lines(*view.scene), ", ")) : measure);
+  say(measure.empty() ? fmt::format("{}", fmt::join(selection.lines(*view.scene, view.box), ", "))
+                      : measure);
 }
 
 void AppState::choose_pivot(const Pick& pick) {
@@ -145,16 +148,24 @@ void AppState::use_selection(SelectionUse use) {
     case SelectionUse::turn:
       return choose_pivot(pick);
     case SelectionUse::inspect:
-      if (const auto at = Projection(shown_camera(), stage).point(pick.point)) {
-        const ImVec2 place(float(stage.across(at->x)), float(stage.down(at->y)));
-        if (place.x >= 0 && place.x < 1 && place.y >= 0 && place.y < 1)
-          return ask(request::Inspect{place, place});
-      }
-      return say(tr("it is outside of the picture"));
+      return inspect(pick.point);
+    case SelectionUse::hide:
+    case SelectionUse::hide_residue:
+    case SelectionUse::hide_chain:
+      return hide_selected(use);
     default:
       selection.clear();
       return refresh();
   }
+}
+
+void AppState::inspect(const Vec3d& point) {
+  if (const auto at = Projection(shown_camera(), stage).point(point)) {
+    const ImVec2 place(float(stage.across(at->x)), float(stage.down(at->y)));
+    if (place.x >= 0 && place.x < 1 && place.y >= 0 && place.y < 1)
+      return ask(request::Inspect{place, place});
+  }
+  say(tr("it is outside of the picture"));
 }
 
 void AppState::switch_focusing() {
@@ -163,6 +174,39 @@ void AppState::switch_focusing() {
   focuses = !focuses;
   say(focuses ? tr("click what shall be sharp; the wheel sets the aperture; e ends it")
               : tr("focus tool off"));
+  renew_other(0);
+}
+
+void AppState::open(const std::string& path) {
+  if (!has_picture_suffix(path)) return ask(request::OpenFile{path});
+  if (view.path.empty())
+    return complain(tr("open the scene of this picture first, then the picture again"));
+  ask(request::CompareWith{path});
+}
+
+void AppState::switch_split() {
+  if (view.compared) {
+    view.shows_difference = !view.shows_difference;
+    say(view.shows_difference ? tr("differences, eight times as large")
+                              : tr("side by side: A and B"));
+    return renew_other(0);
+  }
+  view.split = !view.split;
+  say(view.split ? tr("side by side: with and without the last effect") : tr("one picture"));
+  renew();
+}
+
+void AppState::switch_comparing() {
+  if (view.path.empty()) return say(tr("no scene is open"));
+  if (view.compared) return stop_comparing();
+  ask(request::AskForFile{FileDialog::Purpose::compare});
+  refresh();
+}
+
+void AppState::stop_comparing() {
+  view.compared.reset();
+  ask(request::StopComparing{});
+  say(tr("one picture"));
   renew_other(0);
 }
 
@@ -258,12 +302,12 @@ void AppState::go_back(bool back) {
   if (!(back ? history.can_undo() : history.can_redo()))
     return say(back ? tr("nothing to undo") : tr("nothing to redo"));
   ViewState next = back ? history.undo() : history.redo();
-  next.paused = view.paused, next.panel = view.panel, next.boxes = view.boxes;
-  next.form = view.form, next.form.plays = false;
+  next.keep_habits(view);
   // The file is the one last saved or opened.
   if (next.path != view.path)
     next.path = view.path, next.read_options = view.read_options, next.file = view.file;
   wanted_read_.reset();
+  if (next.file != view.file) selection.clear();  // its atoms have other numbers there
   view = std::move(next);
   moving_until_ = 0;
   say(back ? tr("undone") : tr("redone"));
@@ -279,6 +323,10 @@ bool AppState::leave() {
     switch_focusing();
   else if (!selection.empty())
     selection.clear();
+  else if (view.compared)
+    stop_comparing();
+  else if (shows_lesson)
+    switch_lesson();
   else if (facts_.full_screen)
     ask(request::SetFullScreen{false});
   else

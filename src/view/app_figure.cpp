@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/platform/memory.h"
+#include "io/atoms/labels.h"
 #include "render/render.h"
 #include "view/app_state.h"
 #include "view/texts.h"
@@ -38,6 +39,32 @@ void AppState::change_read_option(const ReadChange& change) {
     view.form.option.clear();
   else
     read_again(next);
+}
+
+// Adds the picked atoms to `hide`, and takes them out of `show`, which outranks it.
+void AppState::hide_selected(SelectionUse use) {
+  if (!view.file || !view.file->atoms) return;
+  const AtomLabels& labels = *view.file->atoms;
+  std::vector<uint32_t> atoms;
+  std::set<std::string> parts;
+  for (const Pick& pick : selection.picks()) {
+    if (!pick.atom) continue;
+    atoms.push_back(*pick.atom);
+    parts.insert(use == SelectionUse::hide_residue ? labels.select_residue(*pick.atom)
+                                                   : labels.select_chain(*pick.atom));
+  }
+  if (use == SelectionUse::hide) parts = {labels.select(atoms)};
+  std::string chosen;
+  for (const std::string& part : parts)
+    if (!part.empty()) chosen = either(chosen, part);
+  if (chosen.empty()) return;
+  const auto change = [&](std::string_view option, const std::string& text) {
+    const auto table = read_option_table();
+    change_read_option({&*std::ranges::find(table, option, &ReadOptionSpec::name), text});
+  };
+  const ReadOptions before = read_options();
+  change("hide", either(before.hide, chosen));
+  if (!before.show.empty()) change("show", but_not(before.show, chosen));
 }
 
 void AppState::read_again(const ReadOptions& options) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/exact_math.h"
+#include "io/atoms/labels.h"
 #include "render/render.h"
 #include "view/texts.h"
 
@@ -47,7 +48,8 @@ bool AppState::is_waiting() const {
 }
 
 bool AppState::is_covered() const {
-  return view.path.empty() || (facts_.over_controls && (facts_.has_dialog || covers_));
+  return view.path.empty() ||
+         (facts_.over_controls && (facts_.has_dialog || covers_ || shows_lesson));
 }
 
 Pick AppState::pick_at(double x, double y) const {
@@ -58,18 +60,34 @@ Pick AppState::pick_at(double x, double y) const {
 
 ReadOut AppState::under_cursor() const {
   if (is_covered() || gestures.is_busy() || is_waiting() || is_moving()) return {};
-  const double x = gestures.x(), y = gestures.y();
-  return read_out(view, *picture, stage.across(x), stage.down(y), pick_at(x, y));
+  const double x = stage.across(gestures.x()), y = stage.down(gestures.y());
+  ReadOut out = read_out(view, *picture, x, y, pick_at(gestures.x(), gestures.y()));
+  if (!view.compared || out.text.empty() || !picture->image) return out;
+  const auto bytes_at = [&](const Image& image) {
+    const auto c = display_bytes(image.at(int(x * image.width), int(y * image.height)));
+    return fmt::format("{} {} {}", c[0], c[1], c[2]);
+  };
+  out.text += fmt::format(" \xc2\xb7 A {}, B {}", bytes_at(*picture->image),
+                          bytes_at(view.compared->image));
+  return out;
 }
 
 std::string AppState::measured() const {
   return selection.measure(view.file ? view.file->unit : "");
 }
 
-std::vector<std::string> AppState::selection_lines() const {
-  std::vector<std::string> lines = selection.lines(*view.scene);
-  if (const std::string measure = measured(); !measure.empty()) lines.push_back(measure);
-  return lines;
+SelectionFacts AppState::selection_facts() const {
+  if (selection.empty()) return {};
+  SelectionFacts facts;
+  facts.lines = selection.lines(*view.scene, view.box);
+  if (const std::string measure = measured(); !measure.empty()) facts.lines.push_back(measure);
+  const Pick& pick = selection.picks().back();
+  facts.can_focus = !view.camera.is_parallel();
+  facts.material = pick.material;
+  facts.is_atom = pick.atom && view.file && view.file->atoms;
+  facts.has_residue = facts.is_atom && view.file->atoms->residue(*pick.atom);
+  facts.has_chain = facts.is_atom && view.file->atoms->chain(*pick.atom);
+  return facts;
 }
 
 std::string AppState::command_line(const std::string& output) const {
@@ -110,9 +128,12 @@ bool AppState::renew() {
 
 void AppState::renew_other(double frame_s) {
   using enum Other;
-  const Other wanted = shows_focus() ? focus : view.split ? without : none;
+  const Other of_picture = !view.compared          ? view.split ? without : none
+                           : view.shows_difference ? difference
+                                                   : compared;
+  const Other wanted = shows_focus() ? focus : of_picture;
   const bool is_new = std::exchange(other, wanted) != wanted;
-  if (wanted == none) return ask(request::RenderOther{});
+  if (wanted != focus && wanted != without) return ask(request::RenderOther{});
   ViewState shown = view;
   if (wanted == focus) shown.show(View::focus);
   const int width = stage.picture_width, height = stage.picture_height;
@@ -180,10 +201,11 @@ void AppState::on(const event::Scrolled& e) {
 void AppState::on(const event::Resized& e) {
   size_ = e;
   const bool wants_panel = !view.path.empty() && (is_narrow() ? covers_ : view.panel);
-  layout = Layout(e.width, e.height, e.em, wants_panel);
-  const auto [width, height] = view.wanted_size();
+  layout = Layout(e.width, e.height, e.em, wants_panel, shows_lesson);
+  const auto [width, height] = view.picture_size();
+  const bool grows = view.compared != nullptr;
   const Stage before =
-      std::exchange(stage, Stage(layout.picture, e.pixels_per_unit, width, height));
+      std::exchange(stage, Stage(layout.picture, e.pixels_per_unit, width, height, grows));
   if (stage.picture_width == before.picture_width && stage.picture_height == before.picture_height)
     return;
   log(fmt::format("size: {}x{}", stage.picture_width, stage.picture_height));
@@ -200,10 +222,12 @@ void AppState::on(const event::ControlsUsed& e) {
     if (measures_costs) cancel_measuring();
     costs_are_old = true;
   }
-  if (did.open) ask(request::OpenFile{short_path(*did.open)});
+  if (did.open) open(short_path(*did.open));
+  if (did.compare) ask(request::CompareWith{short_path(*did.compare)});
   if (did.save) save_scene(*did.save);
   if (did.saves_curve) ask(request::WriteCurve{});
   use_figure_panel(did.figure);
+  use_lesson(did.lesson);
   for (const KeySpec* key : did.pressed) obey(*key);
   use_selection(did.selection);
   if (!did.problem.empty()) complain(did.problem);
@@ -228,6 +252,8 @@ void AppState::on(const event::PictureTaken& e) {
   if (!e.is_main) return;
   picture = e.picture;
   if (auto line = comparison_.take(*picture, request)) say(std::move(*line));
+  if (wanted_rays_ && picture->request == request && picture->samples > 0)
+    inspect(*std::exchange(wanted_rays_, {}));
 }
 
 void AppState::on(const event::Inspected& e) {
@@ -247,6 +273,7 @@ void AppState::on(const SceneFile::Read& read) {
   if (!is_wanted(read)) return;
   if (!read.scene && read.is_reread) return refuse_reading(read);
   if (!read.scene) {
+    wanted_show_.reset();
     // For another file they are reported once; the panel shows those of the current file.
     if (read.path == view.path) errors = read.scene.error();
     return complain(read.scene.error().front().text());
@@ -267,6 +294,7 @@ void AppState::on(const SceneFile::Read& read) {
   // new start.
   if (is_other) {
     ask(request::CloseInspector{});
+    if (view.compared) stop_comparing();
     history = History<ViewState>(view);
   }
   saved_scene = view.scene;
@@ -276,7 +304,16 @@ void AppState::on(const SceneFile::Read& read) {
     say(trf("opened {}", read.path));
   }
   view.file_version = file_version_;
+  if (wanted_show_ && read.path == wanted_show_->scene)
+    take_shown(*std::exchange(wanted_show_, {}));
   renew();
+}
+
+void AppState::on(const ComparedFile::Read& read) {
+  if (!read.picture) return complain(read.picture.error().text());
+  view.compared = *read.picture;
+  say(tr("A is Raio's picture, B the other; a click shows the rays of a pixel"));
+  renew_other(0);
 }
 
 void AppState::on(const SceneWriter::Written& written) {

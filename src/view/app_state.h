@@ -58,6 +58,7 @@ class AppState {
   Diagnostics errors;  // of the file on the disk
   Warnings warnings;
   Selection selection;
+  bool shows_lesson = false;
   bool focuses = false;                               // the focus tool is on
   Measuring::Work measuring = Measuring::Work::none;  // until its end was reported
   bool costs_are_old = true;
@@ -82,8 +83,7 @@ class AppState {
   ReadOut under_cursor() const;
   /// What the selected points measure: a distance or an angle; or nothing.
   std::string measured() const;
-  /// A fact per line about what is selected.
-  std::vector<std::string> selection_lines() const;
+  SelectionFacts selection_facts() const;
   std::string command_line(const std::string& output) const;
   /// How the file is to be read, now or soon.
   const ReadOptions& read_options() const {
@@ -101,7 +101,7 @@ class AppState {
   void on(const event::MouseButton& e);
   void on(const event::CursorMoved& e);
   void on(const event::Scrolled& e);
-  void on(const event::FileDropped& e) { ask(request::OpenFile{e.path}); }
+  void on(const event::FileDropped& e) { open(e.path); }
   void on(const event::Resized& e);
   void on(const event::ControlsUsed& e);
   void on(const event::InspectorUsed& e);
@@ -111,6 +111,7 @@ class AppState {
   void on(const event::Printed& e);
   void on(const event::Tick& e);
   void on(const SceneFile::Read& read);
+  void on(const ComparedFile::Read& read);
   void on(const SceneWriter::Written& written);
   void on(const PictureWriter::Written& written);
 
@@ -127,6 +128,8 @@ class AppState {
   void camera_moved();
   void settle();
   void show_focus();
+  // A scene, or a picture to compare with.
+  void open(const std::string& path);
   void measure();
   // At rest, and after the picture itself.
   bool may_measure_costs() const;
@@ -136,7 +139,14 @@ class AppState {
   void save_when_whole();
   void draw();
   // Too narrow for a panel beside the picture.
-  bool is_narrow() const { return size_.width < kLeastWidthEms * size_.em; }
+  bool is_narrow() const { return !Layout::is_panel_beside(size_.width, size_.em, shows_lesson); }
+
+  // Lessons, in app_lesson.cpp.
+  void switch_lesson();
+  void use_lesson(const LessonResult& did);
+  void show(const app::ShownScene& what);
+  // Its options, once its file has been read.
+  void take_shown(const app::ShownScene& what);
 
   // Figures, in app_figure.cpp: how the file is read, frames in time, pictures for print.
   void use_figure_panel(const FigureResult& did);
@@ -158,7 +168,13 @@ class AppState {
   void select(const Pick& pick, bool more);
   void choose_pivot(const Pick& pick);
   void use_selection(SelectionUse use);
+  // The rays of the pixel that shows it.
+  void inspect(const Vec3d& point);
+  void hide_selected(SelectionUse use);
   void switch_focusing();
+  void switch_split();
+  void switch_comparing();
+  void stop_comparing();
   void switch_effect(Command effect);
   void switch_panel();
   void switch_pause();
@@ -177,10 +193,12 @@ class AppState {
   // What Escape closes before it ends the program.
   bool leave();
 
-  Facts facts_;          // of the event
-  Requests requests_;    // its answer so far
-  event::Resized size_;  // of the window
-  bool covers_ = false;  // a narrow window shows the panel over the picture
+  Facts facts_;                                 // of the event
+  Requests requests_;                           // its answer so far
+  event::Resized size_;                         // of the window
+  bool covers_ = false;                         // a narrow window shows the panel over the picture
+  std::optional<app::ShownScene> wanted_show_;  // its file is being read
+  std::optional<Vec3d> wanted_rays_;            // of the pixel that shows this point
   Comparison comparison_;
   std::optional<ReadOptions> wanted_read_;  // requested, not yet there
   uint32_t file_version_ = 0;               // of the file on the disk

@@ -48,6 +48,7 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
   const auto effect = [&](Icon icon, Command command) {
     return Tool{icon, key(command), state.is_on(command)};
   };
+  const bool is_empty = state.path.empty();
   std::vector<Tool> tools = {
       {Icon::open, key(Command::open)},
       {Icon::save_scene, key(Command::save_scene)},
@@ -84,7 +85,15 @@ std::vector<Tool> tools_of(const ViewState& state, const ToolFacts& facts) {
       {Icon::panel, key(Command::panel), facts.has_panel},
       {Icon::help, key(Command::help)},
   };
-  tools[4].starts_group = true;
+  std::erase_if(tools, [&](const Tool& tool) {
+    const Command command = tool.key->command;
+    if (is_empty) return tool.icon != Icon::open && tool.icon < Icon::theme;
+    return command <= Command::refraction && command != Command::structure && !state.has(command);
+  });
+  if (const auto first = std::ranges::find_if(
+          tools, [](const Tool& tool) { return tool.icon >= Icon::antialiasing; });
+      first != tools.end())
+    first->starts_group = true;
   return tools;
 }
 

@@ -21,11 +21,12 @@ ControlResult Controls::draw(ViewState& state, const Layout& layout, const Contr
   ControlResult result;
   if (state.path.empty()) {
     const WelcomeResult welcome = draw_welcome(layout.picture, facts.welcome);
-    result.open = welcome.open;
+    result.open = welcome.open, result.lesson.page = welcome.lesson;
     if (welcome.asks) result.pressed.push_back(&key_of(Command::open));
   } else if (layout.panel.width() > 0 && !facts.has_inspector) {
     static_cast<PanelResult&>(result) = draw_panel(state, facts.panel, layout.panel);
   }
+  if (layout.lesson.width() > 0) result.lesson = lesson.draw(layout.lesson);
   draw_tool_bar(layout.tool_bar, state, facts.tools, result.pressed);
   const Status none{Status::Kind::done, tr("No scene is open")};
   draw_status(layout.status, state.path.empty() ? none : status_of(facts.status), facts.read_out);
@@ -33,8 +34,11 @@ ControlResult Controls::draw(ViewState& state, const Layout& layout, const Contr
     draw_message(message_place(layout.picture, facts.legend, facts.message), facts.message,
                  facts.is_error);
   if (shows_help_) shows_help_ = draw_help(layout, sought_);
-  if (const auto file = files.draw(layout))
-    (files.purpose() == FileDialog::Purpose::open ? result.open : result.save) = file;
+  if (const auto file = files.draw(layout)) {
+    using enum FileDialog::Purpose;
+    const FileDialog::Purpose purpose = files.purpose();
+    (purpose == open ? result.open : purpose == compare ? result.compare : result.save) = file;
+  }
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include "view/bars.h"
 #include "view/file_dialog.h"
 #include "view/layout.h"
+#include "view/lesson_panel.h"
 #include "view/panel.h"
 #include "view/state.h"
 #include "view/welcome.h"
@@ -31,12 +32,14 @@ struct ControlFacts {
 };
 
 struct ControlResult : PanelResult {
-  std::optional<std::string> open, save;  // files that were chosen
+  LessonResult lesson;
+  std::optional<std::string> open, compare, save;  // files that were chosen
 };
 
 class Controls {
  public:
   FileDialog files;
+  LessonPanel lesson;
 
   void switch_help() { shows_help_ = !shows_help_, sought_.clear(); }
   /// Whether something may cover the picture.

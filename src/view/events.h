@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/session.h"
+#include "view/compared.h"
 #include "view/controls.h"
 #include "view/edit.h"
 #include "view/files.h"
@@ -80,11 +81,12 @@ struct Tick {};
 
 }  // namespace event
 
-using Event = std::variant<event::Refresh, event::KeyPressed, event::MouseButton,
-                           event::CursorMoved, event::Scrolled, event::FileDropped, event::Resized,
-                           event::ControlsUsed, event::InspectorUsed, event::PictureTaken,
-                           event::Inspected, event::Measured, event::Printed, event::Tick,
-                           SceneFile::Read, SceneWriter::Written, PictureWriter::Written>;
+using Event =
+    std::variant<event::Refresh, event::KeyPressed, event::MouseButton, event::CursorMoved,
+                 event::Scrolled, event::FileDropped, event::Resized, event::ControlsUsed,
+                 event::InspectorUsed, event::PictureTaken, event::Inspected, event::Measured,
+                 event::Printed, event::Tick, SceneFile::Read, ComparedFile::Read,
+                 SceneWriter::Written, PictureWriter::Written>;
 
 namespace request {
 
@@ -120,7 +122,17 @@ struct WalkRay {
 struct CloseInspector {};
 struct OpenFile {
   std::string path;
+  ReadOptions options = kForWindow;
 };
+/// A page of the course; empty: the last one, or the first.
+struct OpenLesson {
+  std::string page;
+};
+/// A picture of another program.
+struct CompareWith {
+  std::string path;
+};
+struct StopComparing {};
 /// Of the scene's file, with these options.
 struct Reread {
   ReadOptions options;
@@ -171,7 +183,8 @@ using Request =
     std::variant<request::Log, request::Render, request::RenderOther, request::Pause,
                  request::Measure, request::ForgetMeasurements, request::Inspect,
                  request::FollowInspection, request::PickPixel, request::WalkRay,
-                 request::CloseInspector, request::OpenFile, request::Reread, request::FollowFile,
+                 request::CloseInspector, request::OpenFile, request::OpenLesson,
+                 request::CompareWith, request::StopComparing, request::Reread, request::FollowFile,
                  request::SaveScene, request::WritePicture, request::PrintPicture,
                  request::StopPrinting, request::WriteDrawing, request::WriteCurve,
                  request::AskForFile, request::CopyText, request::SetLook, request::SetFullScreen,

@@ -5,8 +5,11 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <system_error>
 
+#include "io/file.h"
 #include "io/scene_file.h"
 #include "view/panel_parts.h"
 #include "view/texts.h"
@@ -15,7 +18,17 @@
 namespace raio::core::view {
 namespace fs = std::filesystem;
 
-std::vector<std::string> entries_of(const fs::path& folder, bool all_files) {
+bool has_picture_suffix(const fs::path& path) {
+  constexpr std::array<std::string_view, 6> kSuffixes = {".png", ".jpg", ".jpeg",
+                                                         ".exr", ".pfm", ".ppm"};
+  return std::ranges::count(kSuffixes, lower_suffix(path)) > 0;
+}
+
+std::vector<std::string> entries_of(const fs::path& folder, FileKind kind) {
+  const auto fits = [kind](const fs::path& path) {
+    return kind == FileKind::all ||
+           (kind == FileKind::scenes ? has_scene_suffix(path) : has_picture_suffix(path));
+  };
   std::vector<std::string> folders, files;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
@@ -23,7 +36,7 @@ std::vector<std::string> entries_of(const fs::path& folder, bool all_files) {
     if (name.starts_with('.')) continue;
     if (entry.is_directory(error))
       folders.push_back(name + "/");
-    else if (all_files || has_scene_suffix(entry.path()))
+    else if (fits(entry.path()))
       files.push_back(name);
   }
   std::ranges::sort(folders);
@@ -41,7 +54,10 @@ void FileDialog::enter(const fs::path& folder) {
   std::error_code error;
   const fs::path whole = fs::weakly_canonical(fs::absolute(folder, error), error);
   folder_ = error ? folder : whole;
-  entries_ = entries_of(folder_, all_files_);
+  const bool compares = purpose_ == Purpose::compare;
+  entries_ = entries_of(folder_, all_files_ ? FileKind::all
+                                 : compares ? FileKind::pictures
+                                            : FileKind::scenes);
 }
 
 // Enters a folder; a file ends the dialog.
@@ -51,7 +67,7 @@ std::optional<std::string> FileDialog::chosen(const std::string& name) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) {
     enter(path);
-    if (purpose_ == Purpose::open) name_.clear();
+    if (purpose_ != Purpose::save) name_.clear();
     return std::nullopt;
   }
   is_open_ = false;
@@ -67,9 +83,11 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
   ImGui::SetNextWindowSize({width, height});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0.5f * em());
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 1);
-  const bool saves = purpose_ == Purpose::save;
-  ImGui::Begin(fmt::format("{}###file", saves ? tr("Save the scene") : tr("Open a scene")).c_str(),
-               &is_open_,
+  const bool saves = purpose_ == Purpose::save, compares = purpose_ == Purpose::compare;
+  const char* const title = saves      ? tr("Save the scene")
+                            : compares ? tr("Compare with a picture")
+                                       : tr("Open a scene");
+  ImGui::Begin(fmt::format("{}###file", title).c_str(), &is_open_,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                    ImGuiWindowFlags_NoSavedSettings);
   std::optional<std::string> wanted;
@@ -89,7 +107,10 @@ std::optional<std::string> FileDialog::draw(const Layout& layout) {
         wanted = entry;
     }
   }
-  if (entries_.empty()) faint_text(all_files_ ? tr("nothing here") : tr("no scenes here"));
+  if (entries_.empty())
+    faint_text(all_files_ ? tr("nothing here")
+               : compares ? tr("no pictures here")
+                          : tr("no scenes here"));
   ImGui::EndChild();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);

@@ -11,12 +11,17 @@
 namespace raio::core::view {
 
 /// The subfolders (first, with a trailing "/") and files of a folder, by name, without hidden ones:
-/// scenes (has_scene_suffix), or all files.
-std::vector<std::string> entries_of(const std::filesystem::path& folder, bool all_files = false);
+/// scenes or pictures by their suffixes, or all files.
+enum class FileKind { scenes, pictures, all };
+std::vector<std::string> entries_of(const std::filesystem::path& folder,
+                                    FileKind kind = FileKind::scenes);
+
+/// Whether read_picture() (io/image/image.h) reads such files.
+bool has_picture_suffix(const std::filesystem::path& path);
 
 class FileDialog {
  public:
-  enum class Purpose { open, save };
+  enum class Purpose { open, compare, save };
 
   /// Starts in that folder; `name` is the proposal.
   void ask(Purpose purpose, const std::filesystem::path& folder, std::string name);

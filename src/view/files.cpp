@@ -17,17 +17,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook(150);
 
-template <class T>
-bool is_ready(const std::future<T>& future) {
-  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
-
 }  // namespace
 
-SceneFile::SceneFile(std::string path)
+FileWatch::FileWatch(std::string path)
     : path_(std::move(path)), read_(stamp(path_)), seen_(read_), next_look_(Clock::now() + kLook) {}
 
-SceneFile::Stamp SceneFile::stamp(const std::string& path) {
+FileWatch::Stamp FileWatch::stamp(const std::string& path) {
   std::error_code error;
   const auto time = std::filesystem::last_write_time(path, error);
   if (error) return {};
@@ -35,13 +30,21 @@ SceneFile::Stamp SceneFile::stamp(const std::string& path) {
   return {time, error ? 0 : size};
 }
 
-void SceneFile::follow(std::string path) {
-  path_ = std::move(path), frames_ = nullptr;
-  read_ = seen_ = stamp(path_);
+FileWatch::Seen FileWatch::look() {
+  const auto now = Clock::now();
+  if (now < next_look_) return Seen::nothing;
+  next_look_ = now + kLook;
+  // A file that still changes, or is missing for a moment, is being written.
+  const Stamp before = std::exchange(seen_, stamp(path_));
+  if (seen_ != before || seen_ == read_) return Seen::nothing;
+  read_ = seen_;
+  return seen_ == Stamp() ? Seen::gone : Seen::changed;
 }
 
+void SceneFile::follow(std::string path) { watch_ = FileWatch(std::move(path)), frames_ = nullptr; }
+
 void SceneFile::start(Work work, int threads) {
-  auto frames = work.path == path_ ? frames_ : nullptr;
+  auto frames = work.path == watch_.path() ? frames_ : nullptr;
   if (!frames) frames = std::make_shared<SceneFrames>(work.path);
   reading_ = std::async(std::launch::async, [this, work = std::move(work), frames, threads] {
     auto read = Executor(threads, &control_).run([&] { return frames->read(work.options); });
@@ -61,7 +64,7 @@ std::optional<SceneFile::Read> SceneFile::poll(int threads, const ReadOptions& o
   if (is_ready(reading_)) {
     auto [read, frames] = reading_.get();
     if (!read.scene) return std::move(read);
-    if (read.path != path_) follow(read.path);
+    if (read.path != watch_.path()) follow(read.path);
     // The text of a trajectory is worth its memory.
     frames_ = read.file->frames > 1 ? std::move(frames) : nullptr;
     return std::move(read);
@@ -71,19 +74,16 @@ std::optional<SceneFile::Read> SceneFile::poll(int threads, const ReadOptions& o
     start(*std::exchange(waiting_, std::nullopt), threads);
     return std::nullopt;
   }
-  const auto now = Clock::now();
-  if (now < next_look_) return std::nullopt;
-  next_look_ = now + kLook;
-  // A file that still changes, or is missing for a moment, is being written.
-  const Stamp before = std::exchange(seen_, stamp(path_));
-  if (seen_ != before || seen_ == read_) return std::nullopt;
-  read_ = seen_, frames_ = nullptr;
-  if (seen_ == Stamp()) {
+  const FileWatch::Seen seen = watch_.look();
+  if (seen == FileWatch::Seen::nothing) return std::nullopt;
+  frames_ = nullptr;
+  if (seen == FileWatch::Seen::gone) {
     Diagnostic gone;
-    gone.file = path_, gone.message = tr("the file is gone; the picture shows its last version");
-    return Read{path_, std::unexpected(Diagnostics{gone}), {}, options};
+    gone.file = watch_.path();
+    gone.message = tr("the file is gone; the picture shows its last version");
+    return Read{watch_.path(), std::unexpected(Diagnostics{gone}), {}, options};
   }
-  start({path_, options}, threads);
+  start({watch_.path(), options}, threads);
   return std::nullopt;
 }
 

@@ -1,6 +1,7 @@
 // Reads scene files and writes pictures in the background.
 #pragma once
 
+#include <chrono>
 #include <expected>
 #include <filesystem>
 #include <functional>
@@ -25,6 +26,32 @@
 
 namespace raio::core::view {
 
+/// Whether it has a result that was not taken yet.
+template <class T>
+bool is_ready(const std::future<T>& future) {
+  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+/// Notices changes of a file; looks a few times per second, however often it is asked.
+class FileWatch {
+ public:
+  /// The file has just been read, or is about to be.
+  explicit FileWatch(std::string path);
+
+  enum class Seen { nothing, changed, gone };
+  /// A change once it is complete; a file that is gone, once.
+  Seen look();
+  const std::string& path() const { return path_; }
+
+ private:
+  using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
+  static Stamp stamp(const std::string& path);
+
+  std::string path_;
+  Stamp read_, seen_;
+  Clock::time_point next_look_;
+};
+
 /// Rereads a scene's file when it changes or returns, reports once that it is gone, and reads it
 /// with other options and other files on request.
 class SceneFile {
@@ -41,17 +68,19 @@ class SceneFile {
   };
 
   /// `path` has just been read.
-  explicit SceneFile(std::string path);
+  explicit SceneFile(std::string path) : watch_(std::move(path)) {}
   ~SceneFile() { control_.stop = true; }
 
   /// Reads another file, and follows it from then on if it is a scene.
-  void open(std::string path) { waiting_ = {std::move(path), kForWindow}; }
+  void open(std::string path, const ReadOptions& options = kForWindow) {
+    waiting_ = {std::move(path), options};
+  }
   /// Reads the same file with other options, instead of those requested before.
-  void reread(const ReadOptions& options) { waiting_ = {path_, options, true}; }
+  void reread(const ReadOptions& options) { waiting_ = {watch_.path(), options, true}; }
 
   /// The file's folder: where dialogs start.
   std::filesystem::path folder() const {
-    const auto parent = std::filesystem::path(path_).parent_path();
+    const auto parent = std::filesystem::path(watch_.path()).parent_path();
     return parent.empty() ? "." : parent;
   }
   /// Follows a file that was just written.
@@ -62,20 +91,16 @@ class SceneFile {
   std::optional<Read> poll(int threads, const ReadOptions& options);
 
  private:
-  using Stamp = std::pair<std::filesystem::file_time_type, uintmax_t>;
   struct Work {
     std::string path;
     ReadOptions options;
     bool is_reread = false;
   };
-  static Stamp stamp(const std::string& path);
   void start(Work work, int threads);
 
-  std::string path_;
-  Stamp read_, seen_;
-  Clock::time_point next_look_;
+  FileWatch watch_;
   std::optional<Work> waiting_;
-  std::shared_ptr<SceneFrames> frames_;  // of `path_`, if it has several
+  std::shared_ptr<SceneFrames> frames_;  // of the watched file, if it has several
   WorkControl control_;
   std::future<std::pair<Read, std::shared_ptr<SceneFrames>>> reading_;
 };

@@ -26,7 +26,7 @@ void Gestures::press(Button button, bool shift, bool selects) {
   button_ = button, travelled_ = 0;
   from_x_ = x_, from_y_ = y_;
   const double bar = stage_.lo.x + split_at * (stage_.hi.x - stage_.lo.x);
-  if (button == Button::left && state_.split && std::abs(x_ - bar) <= kBarReach) {
+  if (button == Button::left && state_.has_bar() && std::abs(x_ - bar) <= kBarReach) {
     drag_ = Drag::bar;
     return;
   }

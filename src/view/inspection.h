@@ -47,6 +47,7 @@ struct InspectionRequest {
   std::shared_ptr<const Scene> scene;
   RenderOptions options;                    // as for `raio render`, with a size and the camera
   std::shared_ptr<const BakedScene> baked;  // used if it fits; may be null
+  double largest = 0;                       // coordinate of the scene's primitives
   std::array<int, 2> pixel{0, 0};           // column, row
   std::array<int, 2> last{0, 0};            // of a region that starts at `pixel`
   int sample = 0;

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "render/read_options.h"
+#include "view/selection.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
@@ -29,7 +30,7 @@ std::string Inspector::look(const ViewState& state, const Stage& stage,
   const auto [top, bottom] = std::minmax({pixel(a.y, height), pixel(b.y, height)});
   ViewState shown = state;
   shown.show(View::picture);
-  request_.scene = state.scene;
+  request_.scene = state.scene, request_.largest = largest_in(state.box);
   request_.options = shown.request(width, height);
   request_.baked = baked;
   request_.pixel = {left, top}, request_.last = {right, bottom};
@@ -50,7 +51,7 @@ void Inspector::follow(const ViewState& state) {
   // The focus on a point depends on the interactive camera, which differs.
   if (state.focus_point && !(state.camera == eye_)) shown.options.focus = request_.options.focus;
   InspectionRequest next = request_;
-  next.scene = state.scene;
+  next.scene = state.scene, next.largest = largest_in(state.box);
   next.options = shown.request(request_.options.width, request_.options.height);
   if (next == request_) return;
   next.sample =

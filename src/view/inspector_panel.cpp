@@ -8,6 +8,7 @@
 
 #include "view/inspector.h"
 #include "view/panel_parts.h"
+#include "view/selection.h"
 #include "view/texts.h"
 #include "view/theme.h"
 
@@ -40,6 +41,10 @@ void row(const char* name, const std::string& value, const std::string& in_full 
   text(value);
   ImGui::PopTextWrapPos();
   if (!in_full.empty() && ImGui::IsItemHovered()) ImGui::SetTooltip("%s", in_full.c_str());
+}
+// A place of the file in a scene with coordinates up to `largest`.
+void place_row(const char* name, Vec3d place, double largest) {
+  row(name, brief(rounded_place(place, largest)), exact(place));
 }
 template <class T>
 void row(const char* name, Vec3<T> v) {
@@ -262,7 +267,7 @@ void Inspector::draw_walk(double now) {
 
 void Inspector::draw_ray() const {
   const ExplainedRay& r = found_->sample.rays[size_t(ray_)];
-  row(tr("origin"), place(r.ray.origin));
+  place_row(tr("origin"), place(r.ray.origin), found_->request.largest);
   row(tr("direction"), r.ray.dir);
   row(tr("weight"),
       trf("{} of the pixel's colour",
@@ -283,7 +288,7 @@ void Inspector::draw_surface(const ExplainedRay& r) const {
   const ExplainedRay::Surface& s = *r.surface;
   row(tr("hits"), app::name_of(found_->baked->accel->geometry(), r.hit.primitive));
   number_row("t", r.hit.t);
-  row(tr("point"), place(s.point));
+  place_row(tr("point"), place(s.point), found_->request.largest);
   row(tr("normal"), s.normal);
   if (s.geometric != s.normal) row(tr("flat normal"), s.geometric);
   row(tr("material"), fmt::format("{}", s.material));

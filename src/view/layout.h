@@ -18,29 +18,36 @@ struct Rect {
   friend bool operator==(const Rect&, const Rect&) = default;
 };
 
-inline constexpr float kToolBarEms = 2.8f, kStatusEms = 1.9f, kPanelEms = 21;
+inline constexpr float kToolBarEms = 2.8f, kStatusEms = 1.9f, kPanelEms = 21, kLessonEms = 27;
 /// Of a window with the panel beside the picture: 700 units with the usual type.
 inline constexpr float kLeastWidthEms = 140.0f / 3;
 
-/// The tool bar at the top and the status line at the bottom span the window; the panel is at the
-/// right between them; the picture has the rest. In a narrow window, the panel covers the right of
-/// the picture. Their sizes depend only on the text height, so
-/// their contents never move the picture. In a window that is too small, the picture keeps one
-/// unit.
+/// The tool bar at the top and the status line at the bottom span the window; a lesson is at the
+/// left between them, the panel at the right; the picture has the rest. In a narrow window, lesson
+/// and panel cover the sides of the picture. Their sizes depend only on the text height, so their
+/// contents never move the picture. In a window that is too small, the picture keeps one unit.
 struct Layout {
-  Rect tool_bar, panel, status, picture;
+  Rect tool_bar, lesson, panel, status, picture;
 
   Layout() = default;
-  Layout(float width, float height, float em, bool has_panel) {
+  Layout(float width, float height, float em, bool has_panel, bool has_lesson = false) {
     const float top = std::min(kToolBarEms * em, height / 2);
     const float bottom = std::max(height - kStatusEms * em, top + 1);
     const float left = std::max(width - kPanelEms * em, 1.0f);
-    const bool is_beside = has_panel && width >= kLeastWidthEms * em;
-    const float right = is_beside ? left : width;
+    const float right = has_panel && is_panel_beside(width, em, has_lesson) ? left : width;
+    const float text = has_lesson ? std::min(kLessonEms * em, width - 1) : 0;
     tool_bar = {0, 0, width, float(int(top))};
     status = {0, float(int(bottom)), width, height};
-    picture = {0, tool_bar.bottom, float(int(right)), status.top};
+    const float begin = is_lesson_beside(width, em) ? text : 0;
+    picture = {float(int(begin)), tool_bar.bottom, float(int(right)), status.top};
+    lesson = {0, picture.top, float(int(text)), picture.bottom};
     panel = {has_panel ? float(int(left)) : width, picture.top, width, picture.bottom};
+  }
+
+  static bool is_lesson_beside(float width, float em) { return width >= kLeastWidthEms * em; }
+  /// Of the same window; there need not be a panel.
+  static bool is_panel_beside(float width, float em, bool has_lesson) {
+    return width - (has_lesson ? kLessonEms * em : 0) >= kLeastWidthEms * em;
   }
 };
 

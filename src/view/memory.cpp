@@ -22,6 +22,15 @@ const char* variable(const char* name) {
   return value && *value ? value : nullptr;
 }
 
+std::vector<std::string> scenes_in(const fs::path& folder) {
+  std::vector<std::string> scenes;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (has_scene_suffix(entry.path())) scenes.push_back(entry.path().string());
+  std::ranges::sort(scenes);
+  return scenes;
+}
+
 }  // namespace
 
 void Memory::opened(const std::string& path) {
@@ -100,22 +109,19 @@ void MemoryKeeper::closed(const Memory& now) {
   remember(memory_, memory_file());
 }
 
-SampleScenes sample_scenes() {
-  const auto scenes_in = [](const fs::path& folder) {
-    std::vector<std::string> scenes;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-      if (has_scene_suffix(entry.path())) scenes.push_back(entry.path().string());
-    std::ranges::sort(scenes);
-    return scenes;
-  };
+fs::path root_folder() {
   std::error_code error;
   fs::path folder = fs::read_symlink("/proc/self/exe", error).parent_path();
   for (int up = 0; up < 4 && !folder.empty(); ++up, folder = folder.parent_path())
-    for (const fs::path& there : {folder / "scenes", folder / "share/raio/scenes"})
-      if (auto scenes = scenes_in(there); !scenes.empty())
-        return {scenes_in(there / "course"), std::move(scenes)};
+    for (const fs::path& there : {folder, folder / "share/raio"})
+      if (!scenes_in(there / "scenes").empty()) return there;
   return {};
+}
+
+SampleScenes sample_scenes() {
+  const fs::path root = root_folder();
+  if (root.empty()) return {};
+  return {scenes_in(root / "scenes/course"), scenes_in(root / "scenes")};
 }
 
 }  // namespace raio::core::view

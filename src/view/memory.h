@@ -55,8 +55,11 @@ class MemoryKeeper {
   Language language_;
 };
 
-/// The scenes that come with Raio, in "scenes" of a parent folder of the program, or where they are
-/// installed; those of the course are in a folder there.
+/// The folder with Raio's scenes/ and docs/: a parent folder of the program, or where they are
+/// installed; empty if there is none.
+std::filesystem::path root_folder();
+
+/// The scenes that come with Raio, and those of the course.
 struct SampleScenes {
   std::vector<std::string> course, others;
 };

@@ -7,6 +7,7 @@
 #include "app/warnings.h"
 #include "base/executor.h"
 #include "io/scene_file.h"
+#include "render/provenance.h"
 #include "render/render.h"
 #include "view/panel_parts.h"
 #include "view/texts.h"
@@ -33,7 +34,14 @@ int run(const app::ViewCommand& command) {
   const RenderSettings resolved = resolve_options(command.options, *scene);
   ViewState state(command.scene, scene, command.options);
   state.file = file;
-  const RenderOptions first_request = state.request(resolved.width, resolved.height);
+  if (!command.compare.empty()) {
+    auto picture = read_displayed(command.compare);
+    if (!picture) return app::fail(picture.error());
+    state.compared = std::make_shared<const ComparedPicture>(command.compare, *std::move(picture));
+  }
+  const auto [width, height] = state.picture_size();
+  const RenderOptions first_request =
+      state.request(width > 0 ? width : resolved.width, height > 0 ? height : resolved.height);
   state.program = command.program;
   state.read_options = read_options;
   std::vector<std::string> warnings;

@@ -5,6 +5,7 @@
 #include <imgui_stdlib.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "view/grid_panel.h"
 #include "view/options_panel.h"
@@ -41,17 +42,12 @@ void draw_roughness(ViewState& state, Command effect, PanelResult& result) {
   ImGui::PopID();
 }
 
-bool is_in_scene(const ViewState& state, Command effect) {
-  const RenderSettings settings = resolve_options(state.options, *state.scene);
-  return core::is_in_scene(effect_of(effect), *state.scene, settings.fresnel);
-}
-
 // Those that the scene has. A click is equivalent to the key.
 void draw_effects(ViewState& state, PanelResult& result) {
   ImGui::PushID("effects");  // some have the same names as options
   for (const KeySpec& key : key_table()) {
     if (key.command > Command::refraction) break;
-    if (key.command == Command::structure || !is_in_scene(state, key.command)) continue;
+    if (key.command == Command::structure || !state.has(key.command)) continue;
     bool on = state.is_on(key.command);
     if (ImGui::Checkbox(tr(key.help), &on)) result.pressed.push_back(&key);
     key_cap(key.name);
@@ -137,20 +133,80 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-// The selected primitive: facts, and what can be done with it.
-SelectionUse draw_selection(const PanelFacts& facts) {
-  SelectionUse use = SelectionUse::nothing;
-  for (const std::string& line : facts.selection) text(line);
+// The selected primitive: facts, and what can be done with it. Of constant height, so that the
+// sections below stay where they are.
+void draw_selection(ViewState& state, const SelectionFacts& facts, PanelResult& result) {
+  using enum SelectionUse;
+  constexpr float kLines = 5;
+  const float buttons_at = kLines * ImGui::GetTextLineHeightWithSpacing();
+  ImGui::BeginChild("selection", {0, buttons_at + 2 * ImGui::GetFrameHeightWithSpacing()});
+  if (facts.lines.empty()) faint_text(tr("click the picture to select"));
+  for (const std::string& line : facts.lines) text(line);
   const auto button = [&](const char* label, SelectionUse means) {
-    if (ImGui::Button(tr(label))) use = means;
+    if (ImGui::Button(tr(label))) result.selection = means;
     ImGui::SameLine();
   };
-  if (facts.can_focus) button("focus", SelectionUse::focus);
-  button("its rays", SelectionUse::inspect);
-  button("turn about it", SelectionUse::turn);
-  button("clear", SelectionUse::clear);
-  ImGui::NewLine();
-  return use;
+  if (!facts.lines.empty()) {
+    ImGui::SetCursorPosY(buttons_at);
+    if (facts.can_focus) button("focus", focus);
+    button("its rays", inspect);
+    button("turn about it", turn);
+    button("clear", clear);
+    ImGui::NewLine();
+  }
+  if (facts.is_atom) {
+    button("hide", hide);
+    if (facts.has_residue) button("hide its residue", hide_residue);
+    if (facts.has_chain) button("hide its chain", hide_chain);
+  } else if (facts.material) {
+    ImGui::SetNextItemWidth(11 * em());
+    result.changed |= draw_material_color(state, *facts.material);
+  }
+  ImGui::EndChild();
+}
+
+void draw_difference(const Difference& found) {
+  const ImageDifference& d = found.whole;
+  if (std::isinf(d.psnr_db)) return text(tr("equal pictures"));
+  text(trf("PSNR {} dB, RMSE {} of 255", fmt::format("{:.2f}", d.psnr_db),
+           fmt::format("{:.4g}", d.rmse)));
+  text(trf("{} of the pixels differ by more than 8", fmt::format("{:.3g} %", 100 * d.above_8)));
+  const auto first = suspect(found.regions);
+  if (!first) return;
+  if (ImGui::BeginTable("regions", 3, ImGuiTableFlags_RowBg)) {
+    ImGui::TableSetupColumn("region", ImGuiTableColumnFlags_WidthStretch);
+    const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };
+    cell(tr("of these pixels")), cell(tr("differ")), cell(tr("B minus A"));
+    for (size_t r = 0; r < found.regions.size(); ++r) {
+      const RegionDifference& in = found.regions[r];
+      if (in.pixels == 0) continue;
+      cell(tr(kRegionNames[r].data()));
+      cell(fmt::format("{:.3g} %", 100 * double(in.apart) / double(in.pixels)));
+      cell(in.apart > 0 ? fmt::format("{:+.1f}", in.mean) : "");
+    }
+    ImGui::EndTable();
+  }
+  ImGui::TextWrapped("%s", trf("Look first at the {}: {}.", tr(kRegionNames[size_t(*first)].data()),
+                               tr(likely_cause(*first).data()))
+                               .c_str());
+}
+
+// Another program's picture, and where it differs.
+void draw_compared(const ViewState& state, const Difference* difference, PanelResult& result) {
+  const KeySpec &compare = key_of(Command::compare), &split = key_of(Command::split);
+  ImGui::Spacing();
+  ImGui::PushFont(heading_font());
+  text(tr("Your picture"));
+  ImGui::PopFont();
+  text(trf("A: Raio, B: {}", state.compared->path));
+  const bool both = ImGui::RadioButton(tr("A and B"), !state.shows_difference);
+  ImGui::SameLine();
+  const bool apart = ImGui::RadioButton(tr("differences"), state.shows_difference);
+  if (state.shows_difference ? both : apart) result.pressed.push_back(&split);
+  key_cap(split.name);
+  if (difference) draw_difference(*difference);
+  if (ImGui::Button(tr("stop comparing"))) result.pressed.push_back(&compare);
+  key_cap(compare.name);
 }
 
 // Whether an activity started within the last few frames. The size of a section is known one frame
@@ -168,14 +224,20 @@ PanelResult draw_panel(ViewState& state, const PanelFacts& facts, const Rect& wh
   PanelResult result;
   begin_panel("panel", where);
   draw_head(state, facts);
-  if (!facts.selection.empty() && open_section("Selection", true))
-    result.selection = draw_selection(facts);
+  if (open_section("Selection", true)) draw_selection(state, facts.selection, result);
+  if (state.compared) draw_compared(state, facts.difference, result);
   if (!state.is_figure()) {
     if (open_section("Effects", true)) draw_effects(state, result);
   } else if (open_section("Figure", true)) {
     result.changed |= draw_figure(state, facts.figure, result.figure, result.problem);
   }
   if (open_section("Statistics", true)) draw_statistics(facts.costs);
+  if (!state.compared && open_section("Your picture", false)) {
+    faint_text(tr("A picture of this scene by your program."));
+    const KeySpec& key = key_of(Command::compare);
+    if (ImGui::Button(tr("compare with a picture"))) result.pressed.push_back(&key);
+    key_cap(key.name);
+  }
   if (open_section("The structure's boxes", false)) draw_boxes(state, facts, result);
   result.wants_costs = open_section("What each effect costs", false);
   if (result.wants_costs) draw_costs(facts.costs, state.costs_of);

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "io/diagnostics.h"
+#include "view/compared.h"
 #include "view/costs_panel.h"
 #include "view/figure_panel.h"
 #include "view/layout.h"
+#include "view/selection.h"
 #include "view/state.h"
 #include "view/structure_overlay.h"
 #include "view/theme.h"
@@ -22,12 +24,12 @@ struct PanelFacts {
   Theme look;
   BoxFacts boxes;
   FigureFacts figure;
-  std::vector<std::string> selection;  // lines about it; empty: nothing is selected
-  bool can_focus = true;               // the selection
+  const Difference* difference = nullptr;  // from the picture compared with; null: not known yet
+  SelectionFacts selection;
 };
 
-/// What to do with the selected primitive.
-enum class SelectionUse { nothing, focus, inspect, turn, clear };
+/// What to do with the selected primitive; hiding concerns all picked atoms.
+enum class SelectionUse { nothing, focus, inspect, turn, clear, hide, hide_residue, hide_chain };
 
 /// User input in the panel.
 struct PanelResult {

@@ -36,11 +36,16 @@ void Pictures::hold(bool on) {
 
 void Pictures::draw(const ViewState& state, const Stage& stage, Other shown, float split_at) const {
   main.draw(stage, 0, 1, 1);
+  const bool is_compared = shown == Other::compared;
+  if (is_compared || shown == Other::difference)
+    (is_compared ? compared : difference)
+        .draw(stage.lo, stage.hi, is_compared ? split_at : 0, 1, 1, stage.sharp);
+  const auto [left, right] = state.split_labels();
+  if (is_compared) draw_split_bar(stage, split_at, left, right);
   if (!other.has_picture()) return;
   if (shown == Other::focus) other.draw(stage, 0, 1, 0.6f);
   if (shown != Other::without) return;
   other.draw(stage, split_at, 1, 1);
-  const auto [left, right] = state.split_labels();
   draw_split_bar(stage, split_at, left, right);
 }
 

@@ -12,7 +12,7 @@
 namespace raio::core::view {
 
 /// The picture over or beside the main one.
-enum class Other { none, without, focus };
+enum class Other { none, without, focus, compared, difference };
 
 class Pictures {
  public:
@@ -23,6 +23,8 @@ class Pictures {
 
   /// `is_new`: pictures of earlier requests are of another kind. Nothing: the session rests.
   void request_other(const std::optional<SessionRequest>& request, bool is_new);
+
+  Texture compared, difference;  // a picture of another program, and how the two differ
 
   /// By the user.
   void pause(bool on);

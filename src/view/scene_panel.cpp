@@ -174,6 +174,14 @@ void heading(const char* name) {
 
 }  // namespace
 
+bool draw_material_color(ViewState& state, MaterialId id) {
+  if (id >= state.scene->materials.size()) return false;
+  Rgb color = state.scene->materials[id].color;
+  if (!color_field(tr("the material's colour"), color)) return false;
+  state.scene = edited(state.scene, [&](Scene& s) { s.materials[id].color = color; });
+  return true;
+}
+
 bool draw_scene(ViewState& state) {
   ImGui::PushItemWidth(11 * em());
   heading(tr("Camera"));

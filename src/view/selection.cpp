@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "base/exact_math.h"
+#include "io/far_origin.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
@@ -25,6 +28,37 @@ double direction_deg(double y, double x) {
 }
 
 }  // namespace
+
+Vec3d rounded_place(Vec3d place, double largest) {
+  constexpr double kSteps = 4;  // the rounding errors of a hit point
+  if (!(largest > 0 && largest < double(std::numeric_limits<float>::max()))) return place;
+  const double unit = exact_pow(10, std::ceil(exact_log10(kSteps * float_step(largest))));
+  for (int i = 0; i < 3; ++i) place[i] = std::round(place[i] / unit) * unit + 0.0;  // no -0
+  return place;
+}
+
+std::string either(const std::string& selection, const std::string& other) {
+  if (selection.empty()) return other;
+  // Numbers join a list of numbers at the end.
+  constexpr std::string_view kIndex = "index ", kOr = " or ";
+  const size_t or_at = selection.rfind(kOr);
+  const std::string_view last =
+      std::string_view(selection).substr(or_at == std::string::npos ? 0 : or_at + kOr.size());
+  if (other.starts_with(kIndex) && last.starts_with(kIndex) &&
+      last.find_first_not_of("0123456789-,", kIndex.size()) == std::string_view::npos)
+    return selection + "," + other.substr(kIndex.size());
+  return selection + std::string(kOr) + other;
+}
+
+std::string but_not(const std::string& selection, const std::string& other) {
+  int depth = 0;
+  bool has_or = false;  // which binds less tightly than `and`; perhaps only in a name
+  for (size_t i = 0; i < selection.size(); ++i) {
+    depth += (selection[i] == '(') - (selection[i] == ')');
+    has_or |= depth == 0 && (selection[i] == ',' || selection.compare(i, 2, "or") == 0);
+  }
+  return (has_or ? "(" + selection + ")" : selection) + " and not (" + other + ")";
+}
 
 double distance(Vec3d a, Vec3d b) { return length(b - a); }
 
@@ -57,14 +91,14 @@ std::string Selection::measure(const std::string& unit) const {
   }
 }
 
-std::vector<std::string> Selection::lines(const Scene& scene) const {
+std::vector<std::string> Selection::lines(const Scene& scene, const Box3f& box) const {
   if (empty()) return {};
   const Pick& pick = picks_.back();
-  std::vector<std::string> lines = {pick.what};
+  std::vector<std::string> lines = {pick.what + ", " + trf("material {}", pick.material)};
   if (!pick.object.empty()) lines.push_back(pick.object);
-  lines.push_back(trf("material {}", pick.material));
-  const Vec3d place = scene.origin + pick.place;
-  lines.push_back(trf("at {:.6g}, {:.6g}, {:.6g}", place.x, place.y, place.z));
+  if (!pick.in_file.empty()) lines.push_back(pick.in_file);
+  const Vec3d place = rounded_place(scene.origin + pick.place, largest_in(box));
+  lines.push_back(trf("at {:.12g}, {:.12g}, {:.12g}", place.x, place.y, place.z));
   return lines;
 }
 

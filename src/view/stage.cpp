@@ -64,7 +64,7 @@ void Texture::draw(ImVec2 lo, ImVec2 hi, float left, float right, float alpha, b
                                            ImGui::ColorConvertFloat4ToU32({1, 1, 1, alpha}));
 }
 
-Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height) : area(a) {
+Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height, bool grows) : area(a) {
   const auto pixels = [&](float units) {
     return std::max(1, int(std::lround(units * pixels_per_unit)));
   };
@@ -77,7 +77,8 @@ Stage::Stage(const Rect& a, float pixels_per_unit, int width, int height) : area
   const float fit = std::min(area.width() / float(width), area.height() / float(height));
   const float unit = 1 / pixels_per_unit;
   sharp = fit >= unit * (1 - 1e-3f);
-  const float scale = sharp ? unit : fit;
+  const float most = std::floor(fit / unit * (1 + 1e-3f));
+  const float scale = sharp ? unit * (grows ? most : 1) : fit;
   const ImVec2 size = {float(width) * scale, float(height) * scale};
   lo = {area.left + std::floor((area.width() - size.x) / 2),
         area.top + std::floor((area.height() - size.y) / 2)};

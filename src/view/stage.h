@@ -46,11 +46,11 @@ struct Stage {
   Rect area{0, 0, 1, 1};
   ImVec2 lo{0, 0}, hi{1, 1};                  // of the picture
   int picture_width = 1, picture_height = 1;  // pixels
-  bool sharp = true;                          // one pixel of the picture is one of the screen
+  bool sharp = true;  // each pixel of the picture is one of the screen, or a square of them
 
   /// A picture that fills the area; one of a given size (not 0x0) is shown whole, in the middle, at
-  /// most one of its pixels for each of the screen's.
-  Stage(const Rect& area, float pixels_per_unit, int width, int height);
+  /// most one of its pixels for each of the screen's, or if it `grows`, squares of them.
+  Stage(const Rect& area, float pixels_per_unit, int width, int height, bool grows = false);
   Stage() = default;
 
   bool contains(double x, double y) const { return area.contains(x, y); }

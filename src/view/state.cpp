@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <string_view>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "io/fit_camera.h"
 #include "measure/effects.h"
 #include "render/read_options.h"
+#include "view/measure.h"
 #include "view/texts.h"
 
 namespace raio::core::view {
@@ -94,6 +96,13 @@ void ViewState::open(std::string new_path, std::shared_ptr<const Scene> new_scen
   focus_point.reset();
 }
 
+void ViewState::keep_habits(const ViewState& other) {
+  program = other.program, costs_of = other.costs_of;
+  paused = other.paused, panel = other.panel, boxes = other.boxes;
+  form = other.form, form.plays = false;
+  compared = other.compared, shows_difference = other.shows_difference;
+}
+
 Camera ViewState::own_camera() const {
   RenderOptions o;
   o.projection = camera.projection;
@@ -110,6 +119,10 @@ std::array<int, 2> ViewState::wanted_size() const {
   if (options.width == 0 && options.height == 0 && !options.print) return {0, 0};
   const RenderSettings settings = resolve_options(options, *scene);
   return {settings.width, settings.height};
+}
+
+std::array<int, 2> ViewState::picture_size() const {
+  return compared ? std::array{compared->image.width, compared->image.height} : wanted_size();
 }
 
 bool ViewState::is_figure() const {
@@ -171,6 +184,13 @@ bool ViewState::endless() const {
   return options.sampler != SamplerKind::jitter && options.aa <= 1 && options.lens_samples <= 1;
 }
 
+bool ViewState::has(Command effect) const {
+  constexpr Command kOfSurfaces[] = {Command::soft_shadows, Command::reflection,
+                                     Command::refraction, Command::gloss, Command::translucency};
+  if (is_figure() && std::ranges::count(kOfSurfaces, effect) > 0) return false;
+  return is_in_scene(effect_of(effect), *scene, resolved().fresnel);
+}
+
 bool ViewState::is_on(Command effect) const {
   switch (effect) {
     case Command::antialiasing:
@@ -214,10 +234,7 @@ void ViewState::switch_motion(bool on) {
 
 std::string ViewState::toggle(Command effect) {
   const bool on = !is_on(effect);
-  // Figures have none of them: they are lit by a sky.
-  constexpr Command kOfSurfaces[] = {Command::soft_shadows, Command::reflection,
-                                     Command::refraction, Command::gloss, Command::translucency};
-  if (is_figure() && std::ranges::count(kOfSurfaces, effect) > 0)
+  if (is_figure() && effect != Command::motion && !has(effect))
     return trf("a figure has no {}", tr(effect_name(effect)));
   switch (effect) {
     case Command::antialiasing:
@@ -258,6 +275,8 @@ std::string ViewState::toggle(Command effect) {
 }
 
 std::pair<std::string, std::string> ViewState::split_labels() const {
+  if (compared)
+    return {"A: Raio", "B: " + std::filesystem::path(compared->path).filename().string()};
   const std::string with = trf("with {}", tr(effect_name(split_effect)));
   const std::string without = trf("without {}", tr(effect_name(split_effect)));
   return is_on(split_effect) ? std::pair(with, without) : std::pair(without, with);
@@ -368,6 +387,17 @@ Vec3d placed(const Geometry& geometry, InstanceId instance, Vec3d point) {
   return geometry.placement(in.index).point(placed(in.object, in.inner, point));
 }
 
+void name_atom(Pick& out, const AtomLabels& atoms, std::optional<uint32_t> prototype,
+               uint32_t sphere) {
+  out.atom = atoms.atom(prototype, sphere);
+  if (!out.atom) return;
+  out.object = atoms.label(*out.atom, tr("chain"));
+  const auto number = atoms.number(*out.atom);
+  const uint32_t index = atoms.index(*out.atom);
+  out.in_file =
+      number ? trf("atom {} of the file, index {}", *number, index) : trf("index {}", index);
+}
+
 }  // namespace
 
 Pick pick(const Accel& accel, const Camera& camera, double x, double y, double width_per_height,
@@ -402,14 +432,15 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
       std::optional<uint32_t> prototype;
       if (out.hit.instance > 0)
         prototype = all.instances[scene.placed(out.hit.instance).index].prototype;
-      out.object = file->atoms->label(prototype, uint32_t(geometry.index_of(out.hit.primitive)));
+      name_atom(out, *file->atoms, prototype, uint32_t(geometry.index_of(out.hit.primitive)));
     }
   }
   out.material = scene.material_of(out.hit.primitive, out.hit.instance);
   if (const uint32_t object = scene.object_of(out.hit.primitive, out.hit.instance); object > 0)
     out.object += (out.object.empty() ? "" : ", ") + scene.scene().object_names[object - 1];
-  out.what = fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(out.hit.primitive))],
-                         geometry.index_of(out.hit.primitive));
+  out.what = fmt::format(
+      "{} {}", tr(kPrimitiveKindNames[size_t(geometry.kind_of(out.hit.primitive))].data()),
+      geometry.index_of(out.hit.primitive));
   return out;
 }
 

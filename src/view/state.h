@@ -11,6 +11,7 @@
 
 #include "accel/accel.h"
 #include "app/overlay.h"
+#include "io/image/image.h"
 #include "io/read_scene.h"
 #include "measure/effect_costs.h"
 #include "render/options.h"
@@ -34,6 +35,12 @@ struct BoxLook {
   bool by_level = false;   // else coloured by the number of primitives
 
   friend bool operator==(const BoxLook&, const BoxLook&) = default;
+};
+
+/// A picture of another program, as displayed.
+struct ComparedPicture {
+  std::string path;
+  Image image;
 };
 
 /// What the panel of figures remembers, besides what undo restores.
@@ -70,6 +77,8 @@ class ViewState {
   std::optional<float> waiting_gloss, waiting_translucency;
   std::optional<std::array<float, 2>> waiting_shutter;  // likewise for motion blur
   bool paused = false, panel = true;
+  std::shared_ptr<const ComparedPicture> compared;  // beside this one; null: none
+  bool shows_difference = false;                    // of the two, instead of both
   BoxLook boxes;
   CostOf costs_of = CostOf::sample;
   std::optional<Vec3d> pivot;  // chosen for turning; nothing: turning_point() decides
@@ -82,6 +91,9 @@ class ViewState {
             const ReadOptions& options_read = kForWindow,
             std::shared_ptr<const ReadScene> new_file = nullptr);
 
+  /// Takes over from another state what neither undo nor another scene changes.
+  void keep_habits(const ViewState& other);
+
   /// Whether the picture, also behind a view, is lit by a sky, without the scene's lights, mirrors
   /// and glass.
   bool is_figure() const;
@@ -93,6 +105,9 @@ class ViewState {
   /// middle of data.
   std::optional<Vec3d> turning_point() const;
 
+  /// Whether it changes pictures of this scene. Those of light and surfaces do not exist in
+  /// figures.
+  bool has(Command effect) const;
   bool is_on(Command effect) const;
   /// The option of gloss or of translucency.
   std::optional<float>& roughness(Command effect) {
@@ -139,6 +154,10 @@ class ViewState {
   Camera edge_to_edge(int width, int height) const;
   /// The size that the options ask for; 0: that of the window.
   std::array<int, 2> wanted_size() const;
+  /// The same; that of the picture compared with, if there is one.
+  std::array<int, 2> picture_size() const;
+  /// Whether a bar divides the picture.
+  bool has_bar() const { return compared ? !shows_difference : split; }
 
   /// Whether a pixel may have any number of samples. Not with cells, which determine it.
   bool endless() const;
@@ -180,10 +199,12 @@ class ViewState {
 struct Pick {
   Hit hit;
   Vec3d point;
-  double depth = 0;    // along the line of sight
-  Vec3d place;         // of a sphere its centre, else the point
-  std::string what;    // "sphere 12"
-  std::string object;  // its name, or what is known of the atom; empty: nothing
+  double depth = 0;              // along the line of sight
+  Vec3d place;                   // of a sphere its centre, else the point
+  std::string what;              // "sphere 12"
+  std::string object;            // its name, or what is known of the atom; empty: nothing
+  std::optional<uint32_t> atom;  // of the file's AtomLabels
+  std::string in_file;           // the atom's number and index
   MaterialId material = 0;
 };
 /// `file`: of the scene, with names of atoms; may be null.

@@ -1,5 +1,5 @@
-// The texts of the window in the user's language. The code has the English texts; a table in
-// texts.cpp has the Portuguese ones.
+// The texts of the window in the user's language. The code has the English texts, portuguese.cpp
+// the others.
 #pragma once
 
 #include <fmt/format.h>

@@ -48,7 +48,7 @@ const Palette kLight{.mat = rgb(0xd3d6dc),
 
 Palette g_palette = kDark;
 float g_em = kTextSize;
-ImFont *g_heading = nullptr, *g_title = nullptr;
+ImFont *g_heading = nullptr, *g_title = nullptr, *g_code = nullptr;
 
 // The usual locations; without these files, ImGui's built-in pixel font is used.
 constexpr std::array kRegular = {"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
@@ -60,6 +60,9 @@ constexpr std::array kHeavy = {"/usr/share/fonts/opentype/inter/Inter-SemiBold.o
                                "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans-Bold.ttf",
                                "/usr/share/fonts/TTF/DejaVuSans-Bold.ttf"};
 constexpr std::array kMedium = {"/usr/share/fonts/opentype/inter/Inter-Medium.otf"};
+constexpr std::array kCode = {"/usr/share/fonts/truetype/dejavu/DejaVuSansMono.ttf",
+                              "/usr/share/fonts/dejavu-sans-mono-fonts/DejaVuSansMono.ttf",
+                              "/usr/share/fonts/TTF/DejaVuSansMono.ttf"};
 // For other letters in names: Latin, Greek and Cyrillic, then Chinese, Japanese and Korean. All
 // available ones are tried in turn.
 constexpr std::array kOtherScripts = {
@@ -127,11 +130,13 @@ void load_fonts(const Theme& look, float scale) {
   // Western Europe's letters and the infinity sign; only the title's letters for the title font.
   // Each letter costs time when the window opens.
   static constexpr std::array<ImWchar, 5> kAll = {0x20, 0xff, 0x221e, 0x221e, 0};
+  static constexpr std::array<ImWchar, 3> kAscii = {0x20, 0x7e, 0};
   static constexpr std::array<ImWchar, 9> kTitle = {'R', 'R', 'a', 'a', 'i', 'i', 'o', 'o', 0};
   ImFont* body = look.projector ? load(kMedium, g_em, kAll.data(), Letters::of_names_too) : nullptr;
   if (!body) body = load(kRegular, g_em, kAll.data(), Letters::of_names_too);
   g_heading = load(kHeavy, g_em, kAll.data(), Letters::of_names_too);
   g_title = load(kHeavy, 2 * g_em, kTitle.data(), Letters::own);
+  g_code = load(kCode, 0.9f * g_em, kAscii.data(), Letters::of_names_too);
   io.FontGlobalScale = 1;
   if (!body) {
     body = io.Fonts->AddFontDefault();
@@ -139,6 +144,7 @@ void load_fonts(const Theme& look, float scale) {
   }
   if (!g_heading) g_heading = body;
   if (!g_title) g_title = body;
+  if (!g_code) g_code = body;
   io.FontDefault = body;
 }
 
@@ -212,5 +218,6 @@ float em_of(const Theme& look, float scale) {
 }
 ImFont* heading_font() { return g_heading; }
 ImFont* title_font() { return g_title; }
+ImFont* code_font() { return g_code; }
 
 }  // namespace raio::core::view

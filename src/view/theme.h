@@ -43,6 +43,7 @@ float em();
 float em_of(const Theme& look, float scale);
 ImFont* heading_font();
 ImFont* title_font();
+ImFont* code_font();  // all of its letters have the same width, if the system has such a font
 
 inline ImU32 color(const ImVec4& c, float alpha = 1) {
   return ImGui::ColorConvertFloat4ToU32({c.x, c.y, c.z, c.w * alpha});

@@ -36,6 +36,11 @@ Viewer::Viewer(Window& window, ViewState state, Memory memory, std::vector<std::
       file_(app_.view.path) {
   window_.listen([this](const Event& event) { handle(event); });
   log("request: 1");
+  if (const auto& compared = app_.view.compared) {
+    compared_file_.follow(compared->path);
+    pictures_.compared.set(compared->image);
+    handle(event::Refresh{});
+  }
   handle(size());
   log(fmt::format("place: {},{}", app_.stage.lo.x, app_.stage.lo.y));
   if (!app_.view.path.empty()) {
@@ -113,7 +118,10 @@ void Viewer::carry_out(const Request& request) {
                      log(at);
                  },
                  [&](const CloseInspector&) { inspector_.close(); },
-                 [&](const OpenFile& r) { file_.open(r.path); },
+                 [&](const OpenFile& r) { file_.open(r.path, r.options); },
+                 [&](const OpenLesson& r) { open_lesson(r.page); },
+                 [&](const CompareWith& r) { compared_file_.open(r.path); },
+                 [&](const StopComparing&) { compared_file_.close(); },
                  [&](const Reread& r) { file_.reread(r.options); },
                  [&](const FollowFile& r) {
                    if (r.saved) file_.follow(app_.view.path);
@@ -156,6 +164,10 @@ void Viewer::take_results() {
   // A file being saved is no change on the disk.
   if (!scene_writer_.is_busy())
     if (const auto read = file_.poll(app_.view.options.threads, app_.read_options())) handle(*read);
+  if (const auto read = compared_file_.poll()) {
+    handle(*read);
+    if (read->picture) pictures_.compared.set((*read->picture)->image);
+  }
   while (const auto written = writer_.poll()) handle(*written);
   if (const auto printed = print_job_.poll()) handle(event::Printed{*printed});
   if (const auto found = inspector_.poll()) handle(event::Inspected{*found});
@@ -163,6 +175,7 @@ void Viewer::take_results() {
   take_picture(pictures_.main);
   take_picture(pictures_.other);
   take_thumbnails();
+  take_difference();
   // Both are asked: each forgets its news.
   const bool advanced = inspector_.advance(Window::seconds());
   if (measuring_.has_news() || advanced) handle(event::Refresh{1});
@@ -187,6 +200,24 @@ void Viewer::take_thumbnails() {
     }
     handle(event::Refresh{1});
   }
+}
+
+void Viewer::open_lesson(const std::string& page) {
+  LessonPanel& panel = controls_.lesson;
+  if (!page.empty()) return panel.open(page);
+  if (!panel.is_open()) panel.open(lessons_.empty() ? "docs/course" : lessons_.front().page);
+}
+
+void Viewer::take_difference() {
+  if (auto found = comparer_.poll()) {
+    pictures_.difference.set(found->image);
+    log(fmt::format("compared: samples {} rmse {:.6g} largest {} above 8 {:.6g}",
+                    found->of->samples, found->whole.rmse, found->whole.largest,
+                    found->whole.above_8));
+    difference_ = std::move(found);
+    handle(event::Refresh{1});
+  }
+  comparer_.start(app_.picture, app_.view.compared);
 }
 
 void Viewer::measure(Measuring::Work work) {

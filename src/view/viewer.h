@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "view/app_state.h"
+#include "view/compared.h"
 #include "view/controls.h"
 #include "view/memory.h"
 #include "view/pictures.h"
@@ -39,6 +40,8 @@ class Viewer {
   void take_results();
   void take_picture(Side& side);
   void take_thumbnails();
+  void take_difference();
+  void open_lesson(const std::string& page);
   void measure(Measuring::Work work);
   void ask_for_file(FileDialog::Purpose purpose);
   void write_picture(const SessionPicture& picture, const std::string& suffix);
@@ -51,7 +54,7 @@ class Viewer {
   // For a picture that takes long.
   std::optional<SessionProgress> progress() const;
   CostFacts cost_facts() const;
-  ControlFacts control_facts(const std::string& under) const;
+  ControlFacts control_facts(const std::string& under);
 
   Window& window_;
   const bool logs_;
@@ -65,9 +68,14 @@ class Viewer {
       [] { Window::wake(); }};
   MemoryKeeper keeper_;
   const SampleScenes samples_ = sample_scenes();
+  const std::vector<LessonEntry> lessons_ = lessons_in(root_folder());
+  PagePictures lesson_pictures_;
   std::map<std::string, SceneCard> cards_;  // of the start page
   std::optional<Thumbnails> thumbnails_;    // while it is open
   SceneFile file_;
+  ComparedFile compared_file_;
+  Comparer comparer_{[] { Window::wake(); }};
+  std::optional<Difference> difference_;  // the newest
   PictureWriter writer_;
   SceneWriter scene_writer_;
   PrintJob print_job_{[] { Window::wake(); }};

@@ -108,13 +108,14 @@ CostFacts Viewer::cost_facts() const {
           .waits = progress().transform(progress_line)};
 }
 
-ControlFacts Viewer::control_facts(const std::string& under) const {
+ControlFacts Viewer::control_facts(const std::string& under) {
   ControlFacts facts;
   PanelFacts& panel = facts.panel;
   panel.costs = cost_facts();
   panel.errors = app_.errors, panel.warnings = app_.warnings.lines();
   panel.look = app_.look, panel.boxes = overlay_.facts();
-  panel.selection = app_.selection_lines(), panel.can_focus = !app_.view.camera.is_parallel();
+  if (app_.view.compared && difference_) panel.difference = &*difference_;
+  panel.selection = app_.selection_facts();
   panel.figure.read = app_.read_options(), panel.figure.waits = app_.waits_for_file();
   panel.figure.picture_width = app_.stage.picture_width;
   panel.figure.picture_height = app_.stage.picture_height;
@@ -132,7 +133,8 @@ ControlFacts Viewer::control_facts(const std::string& under) const {
                   .measuring = app_.measuring};
   facts.has_inspector = inspector_.is_open();
   facts.read_out = under;
-  if (app_.view.path.empty()) facts.welcome = {keeper_.memory().recent, samples_, &cards_};
+  if (app_.view.path.empty())
+    facts.welcome = {keeper_.memory().recent, samples_, &cards_, lessons_, &lesson_pictures_};
   // An error in the file stays until it is fixed.
   const bool stays = app_.message.text().empty() && !app_.errors.empty();
   facts.message = stays ? app_.errors.front().text() : app_.message.text();

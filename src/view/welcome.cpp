@@ -14,6 +14,7 @@ namespace raio::core::view {
 namespace {
 
 constexpr float kCardEms = 12, kGapEms = 0.8f, kMostColumns = 7;
+constexpr float kShape = 1.5f;  // of the pictures of scenes
 
 enum class Keep { start, end };
 
@@ -37,16 +38,18 @@ std::string shortened(const std::string& text, float width, Keep keep) {
 
 struct Card {
   const std::string& path;
-  const SceneCard* made;  // null: not yet
-  bool shows_folder;
+  const Texture* picture;   // null: none
+  const char* instead;      // of the picture
+  std::string name, below;  // the lines below it
+  Keep keep;                // of the second line, if it is too long
+  std::string about;        // in the tooltip; may be empty
   float width;
+  float shape = kShape;  // of the picture: its width by its height
 
   // Returns whether it was pressed.
   bool draw() const {
-    const std::filesystem::path file(path);
-    const std::string name = file.stem().string();
     const float pad = 0.5f * em(), inner = width - 2 * pad;
-    const ImVec2 frame(width, std::round(width * 2 / 3)), at = ImGui::GetCursorScreenPos();
+    const ImVec2 frame = frame_of(width), at = ImGui::GetCursorScreenPos();
     const float line = ImGui::GetTextLineHeight();
     ImGui::PushID(path.c_str());
     const bool pressed = ImGui::InvisibleButton("card", {width, frame.y + 2 * line + 2 * pad});
@@ -59,22 +62,21 @@ struct Card {
     draw.AddRectFilled(at, end, color(hovered ? p.hovered : p.raised), round);
     draw.AddRectFilled(at, {end.x, at.y + frame.y}, color(p.mat), round,
                        ImDrawFlags_RoundCornersTop);
-    if (made && !made->texture.empty()) {
-      made->texture.draw_round(at, {end.x, at.y + frame.y}, round);
+    if (picture && !picture->empty()) {
+      // Others are shown whole, in the middle.
+      const ImVec2 size(std::min(frame.x, frame.y * shape), std::min(frame.y, frame.x / shape));
+      const ImVec2 lo(at.x + (frame.x - size.x) / 2, at.y + (frame.y - size.y) / 2);
+      picture->draw_round(lo, {lo.x + size.x, lo.y + size.y}, size.x < frame.x ? 0 : round);
     } else {
-      const char* const word = made ? tr("no picture") : "...";
-      const ImVec2 size = ImGui::CalcTextSize(word);
+      const ImVec2 size = ImGui::CalcTextSize(instead);
       draw.AddText({at.x + (width - size.x) / 2, at.y + (frame.y - size.y) / 2}, color(p.faint),
-                   word);
+                   instead);
     }
     show_letters(path);
     draw.AddText({at.x + pad, at.y + frame.y + pad * 0.7f}, color(p.text),
                  shortened(name, inner, Keep::start).c_str());
-    const std::string below = shows_folder
-                                  ? shortened(file.parent_path().string(), inner, Keep::end)
-                              : made ? shortened(made->size, inner, Keep::start)
-                                     : "";
-    draw.AddText({at.x + pad, at.y + frame.y + pad * 0.9f + line}, color(p.faint), below.c_str());
+    draw.AddText({at.x + pad, at.y + frame.y + pad * 0.9f + line}, color(p.faint),
+                 shortened(below, inner, keep).c_str());
     if (hovered) {
       draw.AddRect(at, end, color(p.accent), round, 0, std::round(0.13f * em()));
       tooltip();
@@ -82,11 +84,13 @@ struct Card {
     return pressed;
   }
 
+  static ImVec2 frame_of(float width) { return {width, std::round(width / kShape)}; }
+
   void tooltip() const {
     ImGui::BeginTooltip();
     ImGui::PushTextWrapPos(30 * em());
     text(path);
-    if (made && !made->about.empty()) text(made->about);
+    if (!about.empty()) text(about);
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
   }
@@ -105,20 +109,53 @@ struct Page {
     return found == facts.cards->end() ? nullptr : &found->second;
   }
 
-  void draw_section(const char* title, const std::vector<std::string>& paths, bool shows_folder) {
-    if (paths.empty()) return;
+  // Calls `draw` for each of the cards, in rows.
+  template <class Draw>
+  void draw_section(const char* title, size_t cards, const Draw& draw) const {
+    if (cards == 0) return;
     ImGui::Dummy({0, 0.6f * em()});
     ImGui::PushFont(heading_font());
     text(title);
     ImGui::PopFont();
     ImGui::PushID(title);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, {kGapEms * em(), kGapEms * em()});
-    for (size_t i = 0; i < paths.size(); ++i) {
+    for (size_t i = 0; i < cards; ++i) {
       if (i % size_t(columns) != 0) ImGui::SameLine();
-      if (Card{paths[i], card_of(paths[i]), shows_folder, card}.draw()) result.open = paths[i];
+      draw(i);
     }
     ImGui::PopStyleVar();
     ImGui::PopID();
+  }
+
+  void draw_scenes(const char* title, const std::vector<std::string>& paths, bool shows_folder) {
+    draw_section(title, paths.size(), [&](size_t i) {
+      const std::filesystem::path file(paths[i]);
+      const SceneCard* const made = card_of(paths[i]);
+      if (Card{paths[i], made ? &made->texture : nullptr, made ? tr("no picture") : "...",
+               file.stem().string(),
+               shows_folder ? file.parent_path().string()
+               : made       ? made->size
+                            : "",
+               shows_folder ? Keep::end : Keep::start, made ? made->about : "", card}
+              .draw())
+        result.open = paths[i];
+    });
+  }
+
+  void draw_lessons() {
+    draw_section(tr("Lessons"), facts.lessons.size(), [&](size_t i) {
+      const LessonEntry& lesson = facts.lessons[i];
+      const bool is_seen = ImGui::IsRectVisible(Card::frame_of(card));
+      const auto* const picture = facts.pictures && is_seen && !lesson.picture.empty()
+                                      ? &facts.pictures->of(lesson.picture)
+                                      : nullptr;
+      Card one{lesson.page.native(), picture ? &picture->texture : nullptr,
+               tr("no picture"),     lesson.title,
+               lesson.question,      Keep::start,
+               lesson.question,      card};
+      if (picture && picture->height > 0) one.shape = picture->width / picture->height;
+      if (one.draw()) result.lesson = lesson.page.string();
+    });
   }
 
   // The title, and the button, beside it if there is room.
@@ -161,9 +198,10 @@ WelcomeResult draw_welcome(const Rect& where, const WelcomeFacts& facts) {
   Page page{facts, columns, width, card};
   ImGui::PushTextWrapPos();
   page.draw_head();
-  page.draw_section(tr("Recent scenes"), facts.recent, true);
-  page.draw_section(tr("Scenes of the course"), facts.samples.course, false);
-  page.draw_section(tr("Scenes that come with Raio"), facts.samples.others, false);
+  page.draw_scenes(tr("Recent scenes"), facts.recent, true);
+  page.draw_lessons();
+  page.draw_scenes(tr("Scenes of the course"), facts.samples.course, false);
+  page.draw_scenes(tr("Scenes that come with Raio"), facts.samples.others, false);
   ImGui::PopTextWrapPos();
   ImGui::End();
   return page.result;

@@ -1,4 +1,5 @@
-// The screen without a scene: pictures of recent scenes, and of those that come with Raio.
+// The screen without a scene: pictures of recent scenes, of the course's lessons, and of the scenes
+// that come with Raio.
 #pragma once
 
 #include <map>
@@ -7,7 +8,9 @@
 #include <vector>
 
 #include "view/layout.h"
+#include "view/lesson.h"
 #include "view/memory.h"
+#include "view/page_pictures.h"
 #include "view/stage.h"
 
 namespace raio::core::view {
@@ -23,11 +26,14 @@ struct WelcomeFacts {
   std::vector<std::string> recent;
   SampleScenes samples;
   const std::map<std::string, SceneCard>* cards = nullptr;  // by path, those made so far
+  std::vector<LessonEntry> lessons = {};  // NOLINT(readability-redundant-member-init)
+  PagePictures* pictures = nullptr;       // of the lessons; null: none
 };
 
 struct WelcomeResult {
-  std::optional<std::string> open;  // a scene was selected
-  bool asks = false;                // for the dialog
+  std::optional<std::string> open;    // a scene was selected
+  std::optional<std::string> lesson;  // a page was selected
+  bool asks = false;                  // for the dialog
 };
 
 WelcomeResult draw_welcome(const Rect& where, const WelcomeFacts& facts);

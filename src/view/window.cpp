@@ -7,6 +7,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <algorithm>
 #include <atomic>
@@ -118,13 +119,19 @@ void Window::set_callbacks() {
     if (key >= 0) of(w).typed_.push_back(key);
     const bool is_never_text =
         key == GLFW_KEY_ESCAPE || (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F25);
-    if (!is_typing() || is_never_text)
-      tell(w, event::KeyPressed{key,
-                                {.shift = bool(mods & GLFW_MOD_SHIFT),
-                                 .ctrl = bool(mods & GLFW_MOD_CONTROL),
-                                 .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))}});
+    const event::KeyPressed pressed{key,
+                                    {.shift = bool(mods & GLFW_MOD_SHIFT),
+                                     .ctrl = bool(mods & GLFW_MOD_CONTROL),
+                                     .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))}};
+    if (is_never_text)
+      tell(w, pressed);
+    else if (of(w).has_clicked_)
+      of(w).waiting_.push_back(pressed);
+    else if (!is_typing())
+      tell(w, pressed);
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
+    of(w).has_clicked_ |= button == GLFW_MOUSE_BUTTON_LEFT;
     tell(w, event::MouseButton{button, action == GLFW_PRESS, bool(mods & GLFW_MOD_SHIFT),
                                bool(mods & GLFW_MOD_CONTROL)});
   });
@@ -157,7 +164,9 @@ void Window::wake() {
 bool Window::should_close() const { return glfwWindowShouldClose(window_); }
 void Window::close() { glfwSetWindowShouldClose(window_, GLFW_TRUE); }
 bool Window::is_held(int key) const { return glfwGetKey(window_, key) == GLFW_PRESS; }
-bool Window::is_typing() { return ImGui::GetIO().WantTextInput; }
+bool Window::is_typing() {
+  return ImGui::GetIO().WantTextInput || ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;
+}
 bool Window::is_over_controls() { return ImGui::GetIO().WantCaptureMouse; }
 bool Window::is_busy() { return ImGui::IsAnyItemActive(); }
 
@@ -232,6 +241,9 @@ void Window::end_frame() {
   glClear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
+  has_clicked_ = false;
+  for (const event::KeyPressed& pressed : std::exchange(waiting_, {}))
+    if (!is_typing()) tell(window_, pressed);
 }
 
 double Window::seconds() {

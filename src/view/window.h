@@ -42,7 +42,7 @@ class Window {
   void close();
   bool is_hidden() const;  // minimised, or without area
   bool is_held(int key) const;
-  static bool is_typing();         // into a field
+  static bool is_typing();         // into a field, after the last frame
   static bool is_over_controls();  // the cursor, in the last frame
   static bool is_busy();           // a control is held
 
@@ -75,6 +75,9 @@ class Window {
   Theme look_;
   bool has_new_look_ = false;
   std::vector<int> typed_;  // keys pressed since the last frame
+  // After a click until the next frame, which shows whether it was into a field: keys wait.
+  bool has_clicked_ = false;
+  std::vector<event::KeyPressed> waiting_;
   int left_ = 0, top_ = 0;  // position before full screen, and the size
   int last_width_ = 0, last_height_ = 0;
   std::string title_;

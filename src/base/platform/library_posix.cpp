@@ -10,7 +10,7 @@ std::expected<void, std::string> load_library(const char* file) {
   if (::dlopen(file, RTLD_NOW)) return {};
   // NOLINTNEXTLINE(concurrency-mt-unsafe): the error is per thread
   return std::unexpected("cannot load a library, " + std::string(::dlerror()) +
-                         "; install its package (on Debian: libembree3-3, libcairo2)");
+                         "; install its package (on Debian: libembree3-3, libcairo2, librsvg2-2)");
 }
 
 void* library_function(const char* file, const std::string& name) {

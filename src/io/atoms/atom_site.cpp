@@ -4,6 +4,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "base/parallel.h"
 #include "io/atoms/element_names.h"
 #include "io/atoms/site_values.h"
 
@@ -156,6 +157,29 @@ std::string AtomSite::name_of(const Residue& residue) const {
 std::string AtomSite::name_of(const Atoms& atoms, uint32_t atom) const {
   return std::string(text_of(values_of(*rows_[atom])[SiteColumn::name])) + ' ' +
          name_of(*taken_[atoms.atoms[atom].residue]);
+}
+
+// In blocks, since rows are cut into words again, which is slow.
+void AtomSite::add_marks(AtomMarks& marks) const {
+  struct Mark {
+    std::string_view name;
+    std::optional<uint64_t> number;
+  };
+  constexpr size_t kBlock = 1 << 16;
+  const auto is_in_file = [&](SiteColumn column) {
+    return sources_[size_t(column)].column < width_;
+  };
+  const bool has_names = is_in_file(SiteColumn::name), has_numbers = is_in_file(SiteColumn::id);
+  std::vector<Mark> block;
+  for (size_t from = 0; from < rows_.size(); from += kBlock) {
+    block.assign(std::min(kBlock, rows_.size() - from), {});
+    for_each_index(block.size(), [&](size_t i) {
+      const SiteValues values = values_of(*rows_[from + i]);
+      if (has_names) block[i].name = text_of(values[SiteColumn::name]);
+      if (has_numbers) block[i].number = whole_number(text_of(values[SiteColumn::id]));
+    });
+    for (const Mark& mark : block) marks.add(mark.name, mark.number);
+  }
 }
 
 std::array<double, 3> AtomSite::place_of(uint32_t atom) const {

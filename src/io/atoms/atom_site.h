@@ -107,6 +107,8 @@ class AtomSite {
   std::vector<uint32_t> fill(size_t model, Names& parts, const std::vector<cif::AtomAddress>& ends,
                              Atoms& out);
   static constexpr uint32_t kNoAtom = UINT32_MAX;
+  /// Adds the marks of all atoms that fill() added.
+  void add_marks(AtomMarks& marks) const;
   /// The name of an atom that fill() added.
   std::string name_of(const Atoms& atoms, uint32_t atom) const;
   std::array<double, 3> place_of(uint32_t atom) const;

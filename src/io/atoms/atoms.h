@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "io/atoms/marks.h"
 #include "io/notices.h"
 
 namespace raio::core {
@@ -28,6 +29,7 @@ struct Atom {
 
 struct Residue {
   std::array<char, 8> name{};  // ends with zeros; longer names are cut
+  char insertion = ' ';        // the letter after the number
   int number = 0;              // as in the file
 
   std::string_view view() const {
@@ -36,7 +38,7 @@ struct Residue {
     return {name.data(), size};
   }
 };
-/// From a name and a number such as "12A"; the letter is ignored.
+/// From a name and a number such as "12A".
 Residue residue_of(std::string_view name, std::string_view number);
 
 /// A biological assembly: parts, each transformed by the matrices.
@@ -75,8 +77,11 @@ struct Atoms {
   std::vector<std::string> columns;  // names of numeric columns that `color_by` may take
   std::vector<std::array<uint32_t, 2>> bonds;  // listed in the file
   std::vector<BondAcross> bonds_across;        // likewise
-  bool finds_bonds = true;                     // whether bonds are also found by distance
-  Notices notices;                             // on what the reader guessed, cut or left out
+  std::optional<AtomMarks> marks;              // of the atoms read, if asked for
+  // With marks: the index of each atom among those read; empty: its own.
+  std::vector<uint32_t> indices;
+  bool finds_bonds = true;  // whether bonds are also found by distance
+  Notices notices;          // on what the reader guessed, cut or left out
   // Whether the file has these, for `color_by`.
   bool has_residues = false, has_b_factors = false, has_occupancies = false;
 
@@ -84,6 +89,8 @@ struct Atoms {
   std::array<float, 3> local(const std::array<double, 3>& place) const {
     return {float(place[0] - origin[0]), float(place[1] - origin[1]), float(place[2] - origin[2])};
   }
+  /// The index of the atom among those read, as in the selection `index`.
+  uint32_t index_of(uint32_t atom) const { return indices.empty() ? atom : indices[atom]; }
   /// The position of the atom in the file.
   std::array<double, 3> place_of(const Atom& atom) const {
     return {origin[0] + double(atom.place[0]), origin[1] + double(atom.place[1]),

@@ -65,12 +65,15 @@ Atoms repeated(const Atoms& atoms, const std::vector<Vec3d>& shifts,
                const std::array<int, 3>& images) {
   Atoms out = atoms;
   out.atoms.clear(), out.radii.clear(), out.values.clear(), out.bonds.clear();
+  out.indices.clear();
   for (const Vec3d& shift : shifts) {
     const auto first = uint32_t(out.atoms.size());
     for (Atom atom : atoms.atoms) {
       for (size_t i = 0; i < 3; ++i) atom.place[i] += float(shift[int(i)]);
       out.atoms.push_back(atom);
     }
+    for (uint32_t i = 0; atoms.marks && i < atoms.atoms.size(); ++i)
+      out.indices.push_back(atoms.index_of(i));
     out.radii.insert(out.radii.end(), atoms.radii.begin(), atoms.radii.end());
     out.values.insert(out.values.end(), atoms.values.begin(), atoms.values.end());
     for (const auto& [a, b] : atoms.bonds) out.bonds.push_back({first + a, first + b});
@@ -133,6 +136,7 @@ void complete_border(Atoms& atoms, const std::array<int, 3>& images) {
       atoms.atoms.push_back(copy);
       if (!atoms.radii.empty()) atoms.radii.push_back(atoms.radii[i]);
       if (!atoms.values.empty()) atoms.values.push_back(atoms.values[i]);
+      if (!atoms.indices.empty()) atoms.indices.push_back(atoms.indices[i]);
     }
   }
   if (const size_t added = atoms.atoms.size() - before; added > 0)

@@ -100,7 +100,9 @@ Residue residue_of(std::string_view name, std::string_view number) {
   Residue out;
   name = without_blanks(name), number = without_blanks(number);
   std::ranges::copy(name.substr(0, out.name.size()), out.name.begin());
-  (void)std::from_chars(number.data(), number.data() + number.size(), out.number);
+  const char* const end = number.data() + number.size();
+  const auto [stop, error] = std::from_chars(number.data(), end, out.number);
+  if (error == std::errc() && stop != end) out.insertion = *stop;
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "io/atoms/colors.h"
+#include "io/atoms/element_names.h"
 #include "io/atoms/trajectory.h"
 
 namespace raio::core {
@@ -97,15 +98,23 @@ size_t digits_more(std::string_view line, size_t usual_point) {
              : 0;
 }
 
-// The residue number and name, and the atom name. Either number may be the wider one.
-std::pair<std::string_view, std::string_view> names_of(std::string_view line, size_t wider) {
+struct GroNames {
+  std::string_view group;  // the residue's number and name
+  std::string_view residue_number, residue, atom, number;
+};
+
+// Either number may be the wider one.
+GroNames names_of(std::string_view line, size_t wider) {
   size_t more = 0;
   while (more < wider && kGroName + more < line.size() && line[0] != ' ' &&
          line[kGroName + more] >= '0' && line[kGroName + more] <= '9')
     ++more;
-  line.remove_prefix(std::min(more, line.size()));
-  return {line.substr(0, 2 * kGroName),
-          line.size() > 2 * kGroName ? line.substr(2 * kGroName, kGroName) : ""};
+  const auto column = [&](size_t at, size_t size) {
+    return line.substr(std::min(at, line.size()), size);
+  };
+  const size_t wide = kGroName + more;
+  return {column(0, wide + kGroName), column(0, wide), column(wide, kGroName),
+          column(wide + kGroName, kGroName), column(wide + 2 * kGroName, kGroName + wider - more)};
 }
 
 // A number that fills its column apart from blanks around it; columns may touch.
@@ -149,8 +158,8 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
                             place[k] *= 10;
                           }
                           atom.place = out.local(place);
-                          const auto [group, name] = names_of(line, wider);
-                          atom.element = element_of_name(group.substr(kGroName), name);
+                          const GroNames names = names_of(line, wider);
+                          atom.element = element_of_name(names.residue, names.atom);
                           return std::nullopt;
                         });
   if (!done) return done;
@@ -162,15 +171,17 @@ std::expected<void, Diagnostics> read_gro_atoms(const Trajectory& t, const Frame
   for (size_t i = 0; i < out.atoms.size(); ++i) {
     Atom& atom = out.atoms[i];
     const std::string_view line = take_line(p, end);
-    const auto [now, name] = names_of(line, digits_more(line, point));
-    if (i == 0 || now != group)
-      out.residues.push_back(residue_of(now.substr(kGroName), now.substr(0, kGroName)));
-    group = now;
+    const GroNames now = names_of(line, digits_more(line, point));
+    const std::string_view name = without_blanks(now.atom);
+    if (out.marks) out.marks->add(name, whole_number(now.number));
+    if (i == 0 || now.group != group)
+      out.residues.push_back(residue_of(now.residue, now.residue_number));
+    group = now.group;
     atom.residue = uint32_t(out.residues.size() - 1);
     out.notices.add(
         atom.element ? Severity::guessed : Severity::warning,
         atom.element ? "elements from the names of atoms" : "atom names that are not elements",
-        name.substr(std::min(name.size(), name.find_first_not_of(' '))), frame.first + i + 1);
+        name, frame.first + i + 1);
   }
   const std::string_view box = take_line(p, end);
   out.cell = cell_of_gro(box);

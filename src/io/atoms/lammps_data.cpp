@@ -35,6 +35,7 @@ class DataReader {
              const std::array<double, 3>& origin)
       : index_(text.view()), lines_(index_), file_(file), style_(options.atom_style) {
     out_.origin = origin;
+    if (options.labels) out_.marks.emplace();
   }
 
   std::expected<Atoms, Diagnostics> read() {
@@ -192,6 +193,7 @@ class DataReader {
                        words.size())});
     RowLayout layout;
     layout.words = style->layout(words.size());
+    layout.number = style->columns.find('i');
     layout.types = out_.types;
     if (hints_.types > 0) layout.most_types = hints_.types;
     if (auto done = read_rows(index_, file_, first_, atoms_, layout, out_); !done) return done;

@@ -12,11 +12,13 @@
 namespace raio::core {
 namespace {
 
-std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_view file, int frame,
+std::expected<Atoms, Diagnostics> atoms_of(std::string_view bytes, std::string_view file,
+                                           const ReadOptions& options,
                                            const std::array<double, 3>& origin) {
   Atoms atoms;
   atoms.origin = origin;
-  if (const auto fault = read_structure(bytes.data(), bytes.size(), frame, atoms)) {
+  if (options.labels) atoms.marks.emplace();
+  if (const auto fault = read_structure(bytes.data(), bytes.size(), options.frame, atoms)) {
     if (fault->column == 0) return failed(file, printable(fault->message), fault->line);
     const LineIndex index(bytes);
     const char* p = index.begin_of(fault->line - 1);
@@ -39,9 +41,8 @@ std::expected<ReadScene, Diagnostics> read_mmcif(const TextBuffer& text, std::st
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   std::string_view bytes = text.view();
   if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
-  return scene_about(
-      [&](const auto& origin) { return atoms_of(bytes, file, options.frame, origin); }, file,
-      options);
+  return scene_about([&](const auto& origin) { return atoms_of(bytes, file, options, origin); },
+                     file, options);
 }
 
 void note_coincident(Atoms& atoms, const std::function<std::string(uint32_t)>& name_of) {

@@ -163,6 +163,7 @@ class PdbReader {
                     "or HETATM");
     Atoms out;
     out.origin = origin, out.frames = frames.size();
+    if (options_.labels) out.marks.emplace();
     out.columns =
         is_pqr_ ? std::vector<std::string>{"charge", "radius"} : std::vector<std::string>();
     const int64_t at =
@@ -189,6 +190,10 @@ class PdbReader {
     const auto conect = lines_of(Record::conect);
     std::vector<PdbLink> links = links_of();
     assembler.add(rows, is_pqr_, !conect.empty(), links);
+    for (size_t i = 0; out.marks && i < out.atoms.size(); ++i) {
+      const PdbRow& row = rows[assembler.row_of[i]];
+      out.marks->add(row.part(row.name), serial_in(row.part(row.serial)));
+    }
     if (is_pqr_ && options_.color_by == "charge") out.values = std::move(assembler.charges);
     if (is_pqr_ && options_.color_by == "radius") out.values = out.radii;
     add_bonds(conect, assembler.serials, out);

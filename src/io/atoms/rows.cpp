@@ -136,9 +136,10 @@ class RowReader {
   size_t last_ = 0;
 };
 
-// Adds notices about labels that are not plain symbols, in the order of the file.
-void describe_labels(const LineIndex& index, size_t first, const RowLayout& layout, Atoms& out) {
-  const auto column = size_t(std::ranges::find(layout.words, Word::species) - layout.words.begin());
+// Calls use(i, word) for the word in this column of each atom's row, in the order of the file.
+template <class Use>
+void for_words(const LineIndex& index, size_t first, size_t column, const Atoms& out,
+               const Use& use) {
   const char* p = index.begin_of(first);
   const char* const end = index.text().data() + index.text().size();
   for (size_t i = 0; i < out.atoms.size(); ++i) {
@@ -148,14 +149,26 @@ void describe_labels(const LineIndex& index, size_t first, const RowLayout& layo
       if (k == column) break;
       while (!is_char(*at, kWordEnd)) ++at;
     }
-    const std::string_view label = word_at(at);
+    use(i, word_at(at));
+  }
+}
+
+// Adds notices about labels that are not plain symbols.
+void describe_labels(const LineIndex& index, size_t first, const RowLayout& layout, Atoms& out) {
+  const auto column = size_t(std::ranges::find(layout.words, Word::species) - layout.words.begin());
+  for_words(index, first, column, out, [&](size_t i, std::string_view label) {
     const int element = out.atoms[i].element;
     if (element == 0)
       out.notices.add(Severity::warning, "labels that are not elements", label, first + i + 1);
     else if (element_number(label) == 0 && !looks_like_number(label))
       out.notices.add(Severity::guessed, "elements from the leading letters of labels", label,
                       first + i + 1);
-  }
+  });
+}
+
+void add_marks(const LineIndex& index, size_t first, const RowLayout& layout, Atoms& out) {
+  for_words(index, first, layout.number, out,
+            [&](size_t, std::string_view word) { out.marks->add({}, whole_number(word)); });
 }
 
 }  // namespace
@@ -170,6 +183,8 @@ std::expected<void, Diagnostics> read_rows(const LineIndex& index, std::string_v
   std::atomic<bool> odd = false;
   auto done = for_lines(index, file, first, count, RowReader(layout, out, odd));
   if (done && odd) describe_labels(index, first, layout, out);
+  if (done && out.marks && layout.number < layout.words.size())
+    add_marks(index, first, layout, out);
   return done;
 }
 

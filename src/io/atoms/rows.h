@@ -32,7 +32,8 @@ struct RowLayout {
   std::vector<Word> words;
   std::map<std::string, uint32_t, std::less<>> types;  // numbers of named types
   uint32_t most_types = UINT32_MAX;
-  size_t value = SIZE_MAX;  // index of the word for Atoms::values
+  size_t value = SIZE_MAX;   // index of the word for Atoms::values
+  size_t number = SIZE_MAX;  // index of the word with the atom's number
   // The map from the file's coordinates to angstroms: three rows of four numbers.
   std::array<double, 12> to_place = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 

@@ -304,8 +304,13 @@ class AtomScene {
     };
     labels_.elements = column(has_elements_, &Atom::element);
     labels_.residues = column(atoms_.has_residues, &Atom::residue);
-    labels_.chains = column(!atoms_.chains.empty(), &Atom::chain);
+    labels_.atoms = uint32_t(atoms_.atoms.size());
+    labels_.indices = atoms_.indices;
+    if (atoms_.marks) labels_.marks = *atoms_.marks;
     labels_.residue_names = atoms_.residues, labels_.chain_names = atoms_.chains;
+    if (!atoms_.chains.empty()) labels_.chains.resize(atoms_.residues.size(), AtomLabels::kNone);
+    for (const Atom& atom : atoms_.atoms)
+      if (atom.residue < labels_.chains.size()) labels_.chains[atom.residue] = atom.chain;
     read_.atoms = std::make_shared<const AtomLabels>(std::move(labels_));
   }
 

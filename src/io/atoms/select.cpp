@@ -323,12 +323,14 @@ class Chooser {
 void keep(Atoms& atoms, const Mask& kept) {
   std::vector<uint32_t> number(kept.size());
   uint32_t n = 0;
+  if (atoms.marks) atoms.indices.reserve(size_t(std::ranges::count(kept, true)));
   for (uint32_t i = 0; i < kept.size(); ++i) {
     number[i] = n;
     if (!kept[i]) continue;
     atoms.atoms[n] = atoms.atoms[i];
     if (!atoms.radii.empty()) atoms.radii[n] = atoms.radii[i];
     if (!atoms.values.empty()) atoms.values[n] = atoms.values[i];
+    if (atoms.marks) atoms.indices.push_back(i);
     ++n;
   }
   atoms.atoms.resize(n);

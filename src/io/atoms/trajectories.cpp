@@ -259,6 +259,7 @@ class DumpReader {
     for (const std::string_view word : words) {
       const Word is = dump_word(word, *kind);
       out.layout.words.push_back(is != Word::skipped && out.layout.has(is) ? Word::skipped : is);
+      if (word == "id") out.layout.number = out.layout.words.size() - 1;
       if (is != Word::species) {
         if (word == t_.value) out.layout.value = out.layout.words.size() - 1;
         out.columns.emplace_back(word);

@@ -40,7 +40,8 @@ class Trajectory {
         index(found_->lines),
         lines(index),
         file(name),
-        value(options.color_by) {}
+        value(options.color_by),
+        marks(options.labels) {}
 
   std::shared_ptr<Found> found_;
 
@@ -49,6 +50,7 @@ class Trajectory {
   LineReader lines;
   const std::string_view file;
   const std::string_view value;  // the column that `color_by` names
+  const bool marks;              // whether Atoms::marks are wanted
 
   bool is_first_frame() const { return found_->frames.empty(); }
   std::unexpected<Diagnostics> wrong(std::string_view line, const char* at, std::string expected) {
@@ -91,6 +93,7 @@ class Trajectory {
     if (frames.empty()) return failed(file, "the file has no complete frame");
     Atoms out;
     out.origin = origin, out.frames = frames.size();
+    if (marks) out.marks.emplace();
     if (!found_->cut.empty()) out.notices.add(Severity::cut, found_->cut, {}, found_->cut_line, 0);
     const int64_t wanted = frame < 0 ? int64_t(frames.size()) + frame : frame;
     if (wanted < 0 || wanted >= int64_t(frames.size())) return out;

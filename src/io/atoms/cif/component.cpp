@@ -48,6 +48,7 @@ void add_component(const Block& block, Atoms& out) {
     indices.emplace(name, uint32_t(out.atoms.size()));
     names.push_back(name);
     out.atoms.push_back(atom);
+    if (out.marks) out.marks->add(name, std::nullopt);
   }
   const Table bonds(block, "_chem_comp_bond.", {"atom_id_1", "atom_id_2"});
   for (size_t row = 0; row < bonds.rows(); ++row) {

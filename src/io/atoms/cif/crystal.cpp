@@ -310,6 +310,7 @@ void add_crystal(Block block, Atoms& out) {
       atom.occupancy = float(site.from->occupancy);
       atom.b_factor = float(site.from->b_factor);
       out.atoms.push_back(atom);
+      if (out.marks) out.marks->add(site.from->label, std::nullopt);
     }
   note_coincident(out, [&](uint32_t i) { return crystal.sites[out.atoms[i].residue].label; });
 }

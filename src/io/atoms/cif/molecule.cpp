@@ -63,6 +63,7 @@ void add_molecule(Block block, CutRows* cut, int frame, Atoms& out) {
   std::vector<std::string> part_names;
   Names parts(part_names);
   const std::vector<uint32_t> atoms = rows.fill(size_t(at), parts, ends, out);
+  if (out.marks) rows.add_marks(*out.marks);
   out.has_residues = true;
   if (rest.cell.is_crystal) out.cell = cell_of(rest.cell);
   if (rest.cell.matrix_disagrees)

@@ -1,0 +1,47 @@
+// The panel with a lesson of the course: its text, buttons for its commands, fields for the answers
+// of its exercises, and solutions on request.
+#pragma once
+
+#include <expected>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "view/layout.h"
+#include "view/lesson.h"
+#include "view/page_pictures.h"
+#include "view/page_text.h"
+
+namespace raio::core::view {
+
+struct LessonResult : PageEvents {
+  bool closes = false;
+};
+
+class LessonPanel {
+ public:
+  void open(const std::filesystem::path& page) { page_ = page, lesson_ = read_lesson(page); }
+  void close() { lesson_.reset(); }
+  bool is_open() const { return lesson_.has_value(); }
+
+  /// Draws the open lesson. Each page keeps its place and its answers while the window is open.
+  LessonResult draw(const Rect& where);
+
+ private:
+  struct Typed {
+    std::string text;
+    std::string judged;  // when the field was left
+  };
+
+  void draw_head(LessonResult& result) const;
+  void draw_exercise(size_t number, LessonResult& result);
+  void draw_answer(const Answer& answer, Typed& typed);
+
+  std::filesystem::path page_;
+  std::optional<std::expected<Lesson, Error>> lesson_;  // none: closed
+  PagePictures pictures_;
+  std::map<std::string, Typed> typed_;  // by page, exercise and answer
+};
+
+}  // namespace raio::core::view
