@@ -259,13 +259,14 @@ TEST_F(AppStateTest, ALessonsCommandSetsSceneOptionsAndPixel) {
   EXPECT_TRUE(app.view.options.no_reflection);
   EXPECT_EQ(find<request::Render>(requests)->what.options.view, View::normals);
   EXPECT_EQ(app.view.program, "raio");
-  // The pixel's rays, once they can be traced: at the same place of the scene's frame.
+  // The pixel's rays, once they can be traced: in a picture of that size, enlarged.
+  (void)tell(event::Resized{.width = 1400, .height = 371, .pixels_per_unit = 1, .em = 15});
+  EXPECT_EQ(app.stage.picture_width, 40);
+  EXPECT_GT(app.stage.hi.x - app.stage.lo.x, 200);
   requests = take(picture());
   ASSERT_TRUE(find<request::Inspect>(requests));
   const ImVec2 at = find<request::Inspect>(requests)->from;
-  const double across = app.stage.lo.x + double(at.x) * (app.stage.hi.x - app.stage.lo.x);
-  const double middle = (app.stage.lo.x + app.stage.hi.x) / 2;
-  EXPECT_NEAR((across - middle) / (app.stage.hi.y - app.stage.lo.y), (9.5 - 20) / 30, 1e-4);
+  EXPECT_NEAR(at.x, 9.5 / 40, 1e-4);
   EXPECT_NEAR(at.y, 7.5 / 30, 1e-4);
   EXPECT_FALSE(find<request::Inspect>(take(picture()))) << "once";
   // It is a step that can be undone.

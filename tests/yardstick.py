@@ -44,7 +44,7 @@ def run_commands(page, folder):
     answers = False
     for block in blocks(page):
         if is_command(block):
-            script = "\n".join(line for line in block if not line.startswith("python3 "))
+            script = "\n".join(line for line in block if not line.startswith(("python3 ", "./raio view ")))
             done = subprocess.run(["bash", "-euo", "pipefail", "-c", script], cwd=folder, text=True,
                                   capture_output=True)
             if done.returncode:

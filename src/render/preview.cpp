@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kReach = 2;                                   // pixels
 constexpr std::array<float, kReach + 1> kWeights{6, 4, 1};  // of a column or row, binomial
-constexpr float kSimilar = 0.05f;                           // depths, relative
+constexpr int kFew = 3;  // of 3x3 pixels with one primitive, if it is about as small as a pixel
+constexpr float kSimilar = 0.05f;  // depths, relative
 
 }  // namespace
 
@@ -31,7 +32,7 @@ Image without_noise(const Image& image, std::span<const float> depth,
       const uint32_t own = id[index(x, int(y))];
       int equal = 0;
       around(x, int(y), 1, [&](int i, int j) { equal += id[index(i, j)] == own ? 1 : 0; });
-      is_small[index(x, int(y))] = own > 0 && equal == 1;
+      is_small[index(x, int(y))] = own > 0 && equal <= kFew;
     }
   });
   Image out = image;

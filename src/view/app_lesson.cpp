@@ -38,16 +38,22 @@ void AppState::show(const app::ShownScene& what) {
 }
 
 void AppState::take_shown(const app::ShownScene& what) {
-  ViewState next(view.path, view.scene, what.options);
+  RenderOptions options = what.options;
+  if (what.pixel) {
+    // Of this size only, the pixel has the numbers of the lesson.
+    if (what.size) options.width = (*what.size)[0], options.height = (*what.size)[1];
+    const RenderSettings settings = resolve_options(options, *view.scene);
+    options.width = settings.width, options.height = settings.height;
+  }
+  ViewState next(view.path, view.scene, options);
+  next.grows = what.pixel.has_value();
   next.read_options = view.read_options, next.file = view.file;
   next.file_version = view.file_version;
   next.keep_habits(view);
   view = std::move(next);
   moving_until_ = 0;
   if (!what.pixel) return;
-  RenderOptions sized = what.options;
-  if (what.size) sized.width = (*what.size)[0], sized.height = (*what.size)[1];
-  const RenderSettings s = resolve_options(sized, *view.scene);
+  const RenderSettings s = resolve_options(options, *view.scene);
   const auto [column, row] = *what.pixel;
   const Ray ray = EyeRays(s.camera, s.width, s.height, s.angle_to_centers)
                       .pinhole(float(column) + 0.5f, float(row) + 0.5f);

@@ -35,6 +35,7 @@ AppState::AppState(ViewState first_view, const RenderOptions& first, const Theme
       gestures(view, stage, [this](double x, double y) { return pick_at(x, y); }),
       warnings(std::move(warnings_of_file)) {
   stage.picture_width = first.width, stage.picture_height = first.height;
+  if (view.compared) other = Other::compared;
 }
 
 Requests AppState::update(const Event& event, const Facts& facts) {
@@ -203,7 +204,7 @@ void AppState::on(const event::Resized& e) {
   const bool wants_panel = !view.path.empty() && (is_narrow() ? covers_ : view.panel);
   layout = Layout(e.width, e.height, e.em, wants_panel, shows_lesson);
   const auto [width, height] = view.picture_size();
-  const bool grows = view.compared != nullptr;
+  const bool grows = view.grows || view.compared;
   const Stage before =
       std::exchange(stage, Stage(layout.picture, e.pixels_per_unit, width, height, grows));
   if (stage.picture_width == before.picture_width && stage.picture_height == before.picture_height)

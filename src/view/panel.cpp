@@ -133,13 +133,15 @@ void draw_window_options(const PanelFacts& facts, PanelResult& result) {
     set_language(portuguese ? Language::portuguese : Language::english);
 }
 
-// The selected primitive: facts, and what can be done with it. Of constant height, so that the
-// sections below stay where they are.
+// The selected primitive: facts, and what can be done with it. Once used, of constant height, so
+// that the sections below stay where they are.
 void draw_selection(ViewState& state, const SelectionFacts& facts, PanelResult& result) {
   using enum SelectionUse;
   constexpr float kLines = 5;
-  const float buttons_at = kLines * ImGui::GetTextLineHeightWithSpacing();
-  ImGui::BeginChild("selection", {0, buttons_at + 2 * ImGui::GetFrameHeightWithSpacing()});
+  const float row = ImGui::GetTextLineHeightWithSpacing(), buttons_at = kLines * row;
+  float& height = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("height"), row);
+  if (!facts.lines.empty()) height = buttons_at + 2 * ImGui::GetFrameHeightWithSpacing();
+  ImGui::BeginChild("selection", {0, height});
   if (facts.lines.empty()) faint_text(tr("click the picture to select"));
   for (const std::string& line : facts.lines) text(line);
   const auto button = [&](const char* label, SelectionUse means) {
@@ -175,6 +177,8 @@ void draw_difference(const Difference& found) {
   if (!first) return;
   if (ImGui::BeginTable("regions", 3, ImGuiTableFlags_RowBg)) {
     ImGui::TableSetupColumn("region", ImGuiTableColumnFlags_WidthStretch);
+    for (const char* number : {"share", "mean"})
+      ImGui::TableSetupColumn(number, ImGuiTableColumnFlags_WidthFixed);
     const auto cell = [](const std::string& value) { ImGui::TableNextColumn(), text(value); };
     cell(tr("of these pixels")), cell(tr("differ")), cell(tr("B minus A"));
     for (size_t r = 0; r < found.regions.size(); ++r) {

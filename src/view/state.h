@@ -77,6 +77,7 @@ class ViewState {
   std::optional<float> waiting_gloss, waiting_translucency;
   std::optional<std::array<float, 2>> waiting_shutter;  // likewise for motion blur
   bool paused = false, panel = true;
+  bool grows = false;  // a picture of fixed size, its pixels squares of the screen
   std::shared_ptr<const ComparedPicture> compared;  // beside this one; null: none
   bool shows_difference = false;                    // of the two, instead of both
   BoxLook boxes;
