@@ -68,6 +68,32 @@ TEST_F(WindowFilesTest, AtomsAreDrawnAsRequested) {
   EXPECT_TRUE(window.wait_for("command: .* --style sticks", from)) << window.log();
 }
 
+// A key that follows a click before the next frame: only that frame shows that a field was hit. And
+// clicks that follow each other within a frame are two.
+TEST_F(WindowFilesTest, KeysRightAfterAClickIntoAFieldAreText) {
+  put(file("water.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");
+  remember("size 900 900");
+  WindowDriver window(*display_, {"water.xyz"}, folder().string());
+  constexpr int kAcross = 780, kDown = 246;  // in the panel's field "hide"
+  constexpr int kTimes = 10;
+  for (int i = 0; i < kTimes; ++i) {
+    size_t from = window.mark();
+    window.click(kAcross, kDown);
+    window.key(i % 2 == 0 ? XK_k : XK_l);
+    ASSERT_TRUE(window.wait_for(" types$", from)) << window.log();
+    from = window.mark();
+    window.click(100, 100);
+    ASSERT_TRUE(window.wait_for(" typed$", from)) << window.log();
+  }
+  for (const char* said : {"boxes of the structure", "light colours", "dark colours"})
+    EXPECT_EQ(window.log().find(said), std::string::npos) << said;
+  // After a click into the picture they are keys.
+  const size_t from = window.mark();
+  window.click(100, 100);
+  window.key(XK_k);
+  EXPECT_TRUE(window.wait_for("boxes of the structure shown", from)) << window.log();
+}
+
 TEST_F(WindowFilesTest, ShowsPicturesAsTheyAreWritten) {
   const auto window =
       open({"--aa", "1", "--exposure", "0.5", "--tone", "agx", "--background", "navy"});

@@ -132,6 +132,8 @@ void Window::set_callbacks() {
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {
     of(w).has_clicked_ |= button == GLFW_MOUSE_BUTTON_LEFT;
+    if (action == GLFW_PRESS && button <= GLFW_MOUSE_BUTTON_MIDDLE)
+      of(w).clicked_.push_back(button);
     tell(w, event::MouseButton{button, action == GLFW_PRESS, bool(mods & GLFW_MOD_SHIFT),
                                bool(mods & GLFW_MOD_CONTROL)});
   });
@@ -226,6 +228,9 @@ void Window::begin_frame() {
   // A key pressed and released between two frames counts as down for one.
   auto& down = ImGui::GetIO().KeysDown;
   for (const int key : typed_) down[key] = true;
+  // So does a button. If it was down in the last frame, too, this is nevertheless another click.
+  for (const int button : std::exchange(clicked_, {}))
+    ImGui::GetIO().MouseDownDuration[button] = -1;
   ImGui::NewFrame();
   for (const int key : typed_) down[key] = is_held(key);
   typed_.clear();

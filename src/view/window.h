@@ -74,7 +74,8 @@ class Window {
   float text_scale_ = 1;
   Theme look_;
   bool has_new_look_ = false;
-  std::vector<int> typed_;  // keys pressed since the last frame
+  std::vector<int> typed_;    // keys pressed since the last frame
+  std::vector<int> clicked_;  // buttons, likewise
   // After a click until the next frame, which shows whether it was into a field: keys wait.
   bool has_clicked_ = false;
   std::vector<event::KeyPressed> waiting_;
