@@ -1,4 +1,4 @@
-// What a command line would show, for a window that shows it instead.
+// The scene and options of a command line, so that the window can show them.
 #pragma once
 
 #include <array>

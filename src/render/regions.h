@@ -51,7 +51,7 @@ RegionDifferences differences(const Image& a, const Image& b, const std::vector<
 /// pictures.
 std::optional<Region> suspect(const RegionDifferences& found);
 
-/// What to check in a program whose picture differs there.
+/// Parts of a program that may be wrong if its picture differs there; one line.
 std::string_view likely_cause(Region region);
 
 }  // namespace raio::core

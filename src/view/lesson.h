@@ -79,7 +79,7 @@ struct Lesson {
 /// docs/. Only scenes that exist there have buttons.
 std::expected<Lesson, Error> read_lesson(const std::filesystem::path& page);
 
-/// What a judge says about an answer.
+/// The result of judge().
 enum class Verdict : uint8_t {
   right,
   too_large,

@@ -120,7 +120,7 @@ void LessonPanel::draw_exercise(size_t number, LessonResult& result) {
   ImGui::PopID();
 }
 
-// The question, the field, and below or beside it the verdict on what was typed last.
+// Draws the question, the field, and the verdict on the last answer.
 void LessonPanel::draw_answer(const Answer& answer, Typed& typed) {
   const float gap = ImGui::GetStyle().ItemSpacing.x;
   const float width = ImGui::GetContentRegionAvail().x;

@@ -10,7 +10,7 @@
 
 namespace raio::core::view {
 
-/// What was pressed.
+/// Buttons and links that the user pressed.
 struct PageEvents {
   std::optional<app::ShownScene> show;
   std::optional<std::string> page;    // another lesson

@@ -28,7 +28,7 @@ struct PanelFacts {
   SelectionFacts selection;
 };
 
-/// What to do with the selected primitive; hiding concerns all picked atoms.
+/// Actions on the selected primitive. Hiding applies to all picked atoms.
 enum class SelectionUse { nothing, focus, inspect, turn, clear, hide, hide_residue, hide_chain };
 
 /// User input in the panel.

@@ -1,4 +1,4 @@
-// What the file says about each atom of a scene, for users who pick one.
+// Names, numbers, residues and chains of the atoms of a scene, shown when a user picks one.
 #pragma once
 
 #include <cstdint>
