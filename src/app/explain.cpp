@@ -119,7 +119,7 @@ class TextTree {
     return out;
   }
 
-  std::string refraction_of(const ExplainedRay::Surface& s) const {
+  static std::string refraction_of(const ExplainedRay::Surface& s) {
     std::string out = fmt::format("from index {} to {}: cosine {} before the surface, ",
                                   s.index_before(), s.index_behind(), s.cosine);
     if (s.cosine2_behind < 0)

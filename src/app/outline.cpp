@@ -40,7 +40,7 @@ std::vector<std::string> option_names(const CLI::Option& option) {
 }
 
 std::string first_clause(const CLI::Option& option) {
-  const std::string help = option.get_description();
+  const std::string& help = option.get_description();
   return help.substr(
       0, std::min({help.find(" ("), help.find(": "), help.find("; "), help.find(", with --")}));
 }

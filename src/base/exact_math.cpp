@@ -72,8 +72,8 @@ Twin root(Twin a) {
 }
 
 constexpr Twin kHalfPi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
-constexpr Twin kLn2 = {0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
-constexpr Twin kLn10 = {0x1.26bb1bbb55516p+1, -0x1.f48ad494ea3e9p-53};
+constexpr Twin kLn2 = {std::numbers::ln2, 0x1.abc9e3b39803fp-56};
+constexpr Twin kLn10 = {std::numbers::ln10, -0x1.f48ad494ea3e9p-53};
 
 // The first coefficients of a power series.
 template <size_t count>

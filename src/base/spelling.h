@@ -1,4 +1,4 @@
-// Suggests the intended word in messages about unknown words.
+// Words in texts: trims them, and suggests the intended one in messages about unknown words.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +10,13 @@
 #include <vector>
 
 namespace raio::core {
+
+/// The text without blanks and ends of lines at both ends.
+inline std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n\v\f";
+  const size_t first = std::min(text.find_first_not_of(kBlanks), text.size());
+  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
 
 /// Edit distance (Levenshtein 1966), computed row by row.
 inline size_t edit_distance(std::string_view a, std::string_view b) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 
+#include "base/spelling.h"
 #include "io/atoms/pdb_atoms.h"
 #include "io/atoms/read.h"
 #include "io/mesh/read.h"
@@ -94,13 +95,6 @@ constexpr Sign kSuffixes[] = {
     {".dump", kDump},  {".lammpstrj", kDump},
     {".lmp", kData},   {".pqr", kPqr},
 };
-
-std::string_view trimmed(std::string_view line) {
-  const auto blank = [](char c) { return is_char(c, kBlank); };
-  while (!line.empty() && blank(line.front())) line.remove_prefix(1);
-  while (!line.empty() && blank(line.back())) line.remove_suffix(1);
-  return line;
-}
 
 /// The blank-separated words of a line, at most five.
 size_t first_words(std::string_view line, std::array<std::string_view, 5>& words) {

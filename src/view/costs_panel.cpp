@@ -157,14 +157,14 @@ void draw_statistics(const CostFacts& facts) {
 
 // Two bars per effect: the time with it, and below, thinner, without it.
 void draw_costs(const CostFacts& facts, CostOf& of) {
-  const auto name = [](CostOf what) {
+  const auto name_of = [](CostOf what) {
     return what == CostOf::sample ? tr("of one sample of this picture")
                                   : tr("of a picture as the 2018 report counts");
   };
   ImGui::SetNextItemWidth(-em());
-  if (ImGui::BeginCombo("##costs", name(of))) {
+  if (ImGui::BeginCombo("##costs", name_of(of))) {
     for (const CostOf what : {CostOf::sample, CostOf::report})
-      if (ImGui::Selectable(name(what), of == what)) of = what;
+      if (ImGui::Selectable(name_of(what), of == what)) of = what;
     ImGui::EndCombo();
   }
   const bool measures = facts.measuring == Measuring::Work::costs;
@@ -198,11 +198,11 @@ void draw_costs(const CostFacts& facts, CostOf& of) {
          (c.finished || !measures ? "" : " ..."));
     const ImVec2 at = ImGui::GetCursorScreenPos();
     const double scale = width / most(c.effect == Effect::structure);
-    const auto length = [&](double seconds) { return float(seconds * scale); };
-    draw.AddRectFilled(at, {at.x + length(c.with.seconds), at.y + height * 0.5f},
+    const auto bar = [&](double seconds) { return float(seconds * scale); };
+    draw.AddRectFilled(at, {at.x + bar(c.with.seconds), at.y + height * 0.5f},
                        color(palette().warning, c.on ? 1 : 0.45f));
     draw.AddRectFilled({at.x, at.y + height * 0.5f},
-                       {at.x + length(c.without.seconds), at.y + height * 0.75f},
+                       {at.x + bar(c.without.seconds), at.y + height * 0.75f},
                        color(palette().faint));
     ImGui::Dummy({width, height * 0.75f});
     faint_text("    " + seconds_line(c));

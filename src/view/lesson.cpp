@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/spelling.h"
 #include "io/file.h"
 
 namespace raio::core::view {
@@ -22,12 +23,6 @@ namespace fs = std::filesystem;
 constexpr uint64_t kMaxPage = 1 << 20;  // bytes
 constexpr double kUsualTolerance = 0.02;
 
-std::string trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(" \t\n");
-  if (first == text.npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(" \t\n") - first + 1));
-}
-
 std::string lower_case(std::string text) {
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   return text;
@@ -37,7 +32,7 @@ std::vector<std::string> split(std::string_view text, char at) {
   std::vector<std::string> parts;
   for (size_t begin = 0; begin <= text.size();) {
     const size_t end = std::min(text.find(at, begin), text.size());
-    parts.push_back(trimmed(text.substr(begin, end - begin)));
+    parts.emplace_back(trimmed(text.substr(begin, end - begin)));
     begin = end + 1;
   }
   return parts;
@@ -45,9 +40,9 @@ std::vector<std::string> split(std::string_view text, char at) {
 
 // A number at the beginning, and the text behind it.
 std::optional<std::pair<double, std::string>> number_in(const std::string& text) {
-  std::string plain = trimmed(text);
+  std::string plain(trimmed(text));
   for (const auto& [from, to] : {std::pair("\u2212", "-"), {",", "."}})
-    for (size_t at = 0; (at = plain.find(from, at)) != plain.npos;)
+    for (size_t at = 0; (at = plain.find(from, at)) != std::string_view::npos;)
       plain.replace(at, std::string_view(from).size(), to);
   if (plain.starts_with('+')) plain.erase(0, 1);
   double number = 0;
@@ -65,8 +60,8 @@ std::vector<Answer> answers_of(std::string_view comment) {
   std::vector<Answer> answers;
   for (const std::string& part : split(comment, ';')) {
     const size_t sign = part.rfind(" = ");
-    if (sign == part.npos) continue;
-    Answer answer{trimmed(part.substr(0, sign)), {}};
+    if (sign == std::string_view::npos) continue;
+    Answer answer{std::string(trimmed(part.substr(0, sign))), {}};
     const std::string value = part.substr(sign + 3);
     if (const auto number = number_in(value)) {
       answer.number = number->first;
@@ -291,7 +286,7 @@ void add_buttons(std::vector<CodeLine>& lines, const fs::path& root) {
   std::string variable;
   std::vector<std::string> values{""};
   for (CodeLine& line : lines) {
-    const std::string text = trimmed(line.text);
+    const std::string text(trimmed(line.text));
     if (text.starts_with("for ") && text.ends_with("; do")) {
       values = words_of(text.substr(0, text.size() - std::string_view("; do").size()));
       variable = values.size() > 3 ? "$" + values[1] : "";
@@ -301,7 +296,8 @@ void add_buttons(std::vector<CodeLine>& lines, const fs::path& root) {
     } else if (text.starts_with("./raio ")) {
       for (const std::string& value : values) {
         std::string command = text;
-        for (size_t at = 0; !variable.empty() && (at = command.find(variable)) != command.npos;)
+        for (size_t at = 0;
+             !variable.empty() && (at = command.find(variable)) != std::string_view::npos;)
           command.replace(at, variable.size(), value);
         if (auto shown = shown_by(command, root))
           line.buttons.push_back({value, std::move(*shown)});
@@ -395,7 +391,7 @@ std::expected<Lesson, Error> read_lesson(const fs::path& page) {
 }
 
 Verdict judge(const Answer& answer, std::string_view typed) {
-  const std::string text = trimmed(typed);
+  const std::string text(trimmed(typed));
   if (!answer.words.empty()) {
     const std::string word =
         lower_case(text.substr(std::min(text.find_first_not_of("-`"), text.size())));
@@ -412,7 +408,7 @@ Verdict judge(const Answer& answer, std::string_view typed) {
   // A comma may separate thousands: "5,238".
   const size_t comma = text.find(',');
   const bool has_thousands =
-      comma != text.npos && comma + 4 <= text.size() &&
+      comma != std::string_view::npos && comma + 4 <= text.size() &&
       std::all_of(text.begin() + long(comma) + 1, text.begin() + long(comma) + 4,
                   [](unsigned char c) { return std::isdigit(c); });
   if (is_near(x) || (has_thousands && is_near(1000 * x))) return Verdict::right;

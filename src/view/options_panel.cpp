@@ -65,7 +65,7 @@ RenderOptions options_in_use(const ViewState& state, const CostFacts& facts) {
   used.soft_shadows = true, used.dof = true, used.accel.kind = AccelKind::grid;
   if (used.view == View::samples) used.view = View::picture;
   const RenderSettings s = resolve_options(used, scene);
-  static_cast<PlainOptions&>(used) = s;
+  static_cast<PlainOptions&>(used) = static_cast<const PlainOptions&>(s);
   used.soft_shadows = state.options.soft_shadows, used.dof = refined.dof;
   used.accel.kind = state.options.accel.kind, used.view = state.options.view;
   used.width = facts.picture_width, used.height = facts.picture_height;

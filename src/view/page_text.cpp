@@ -169,7 +169,7 @@ struct Writer {
 
   // Its columns stay below each other. If a line is too wide, its parts are, and then it is
   // smaller.
-  void draw_formula(const Block& block) {
+  static void draw_formula(const Block& block) {
     ImFont* const font = code_font();
     const float pad = 0.5f * em(), width = ImGui::GetContentRegionAvail().x, room = width - 2 * pad;
     std::vector<std::string> lines;

@@ -126,7 +126,7 @@ class ShadingNarrator {
   }
   // The variables of Snell's law and of the reflectance: n and n' are the indices of refraction
   // before and behind the surface, c and c' the cosines there, c'^2 = k.
-  Variables snell(const Surface& s) const {
+  static Variables snell(const Surface& s) {
     Variables out{{"n", number(s.index_before())},
                   {"n'", number(s.index_behind())},
                   {"eta", number(s.eta)},

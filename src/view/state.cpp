@@ -432,7 +432,7 @@ Pick pick(const Accel& accel, const Camera& camera, double x, double y, double w
       std::optional<uint32_t> prototype;
       if (out.hit.instance > 0)
         prototype = all.instances[scene.placed(out.hit.instance).index].prototype;
-      name_atom(out, *file->atoms, prototype, uint32_t(geometry.index_of(out.hit.primitive)));
+      name_atom(out, *file->atoms, prototype, geometry.index_of(out.hit.primitive));
     }
   }
   out.material = scene.material_of(out.hit.primitive, out.hit.instance);

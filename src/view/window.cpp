@@ -123,11 +123,9 @@ void Window::set_callbacks() {
                                     {.shift = bool(mods & GLFW_MOD_SHIFT),
                                      .ctrl = bool(mods & GLFW_MOD_CONTROL),
                                      .alt = bool(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))}};
-    if (is_never_text)
-      tell(w, pressed);
-    else if (of(w).has_clicked_)
+    if (!is_never_text && of(w).has_clicked_)
       of(w).waiting_.push_back(pressed);
-    else if (!is_typing())
+    else if (is_never_text || !is_typing())
       tell(w, pressed);
   });
   glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int button, int action, int mods) {

@@ -150,7 +150,7 @@ ControlGroups::Hierarchy ControlGroups::hierarchy_of(std::string_view controller
       below.clear();
     while (below.ends_with('/')) below.pop_back();
     for (;;) {
-      found.folders.push_back(root_ + point + below);
+      found.folders.push_back(std::string(root_).append(point).append(below));
       if (below.empty()) return found;
       below.erase(below.rfind('/'));
     }
