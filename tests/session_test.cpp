@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "integrate/views.h"
+#include "rich_scene.h"
 #include "sanitized.h"
 #include "scene/columns.h"
 #include "scenes.h"
@@ -229,6 +230,48 @@ TEST(Session, KeepsTheStructureIfShapesAreUnchanged) {
 }
 
 // Only opaque surfaces are one-sided.
+// As when a file is read again with other options: all arrays are new.
+TEST(Session, SharesTreesIfOnlyColoursChange) {
+  const auto scene_with = [](const std::function<void(Scene&)>& change) {
+    Scene s = tests::rich_scene(3);
+    Object ball;
+    ball.spheres = {{{0, 0, 0}, 0.3f}}, ball.sphere_materials = {0};
+    s.prototypes = {ball};
+    s.instances = {{0, {1, 0, 0, 0.5f, 0, 1, 0, 0, 0, 0, 1, 1}}};
+    change(s);
+    return std::make_shared<const Scene>(std::move(s));
+  };
+  const auto recolor = [](Scene& s) {
+    for (Rgb& color : s.sphere_colors) color = Rgb(1, 1, 1) - color;
+    for (Material& material : s.materials) material.color = material.color * 0.5f;
+    const MaterialId added = s.add_material(s.materials[s.prototypes[0].sphere_materials[0]]);
+    s.prototypes[0].sphere_materials = {added};
+    s.materials[added].color = Rgb(1, 0, 0);
+  };
+  Watcher w;
+  const auto first = scene_with([](Scene&) {});
+  const auto before = w.whole(w.session.request({first, options()}));
+  const auto shown = [&](const std::function<void(Scene&)>& change) {
+    const auto s = scene_with(change);
+    auto picture = w.whole(w.session.request({s, options()}));
+    EXPECT_TRUE(same_bits(*picture->image, rendered(*s, options())));
+    return picture;
+  };
+  const auto structures = [](const SessionPicture& picture) {
+    const Accel& accel = *picture.baked->accel;
+    return std::pair(accel.structure(), accel.prototype(0)->structure());
+  };
+  const auto other = shown(recolor);
+  EXPECT_NE(other->baked->accel, before->baked->accel);
+  EXPECT_EQ(structures(*other), structures(*before));
+  EXPECT_EQ(other->baked->build_s, before->baked->build_s) << "the time that it took to build it";
+  const auto moved = shown([](Scene& s) { s.spheres[0].radius *= 1.5f; });
+  EXPECT_NE(structures(*moved).first, structures(*before).first);
+  EXPECT_EQ(structures(*moved).second, structures(*before).second) << "the prototype is the same";
+  const auto clearer = shown([](Scene& s) { s.sphere_opacity[0] *= 0.5f; });
+  EXPECT_NE(structures(*clearer).first, structures(*before).first);
+}
+
 TEST(Session, RebuildsWhenGlassTurnsOpaqueOnOneSide) {
   const auto owner = std::make_shared<const Scene>(tests::random_scene(30, 7));
   RenderOptions o = options();

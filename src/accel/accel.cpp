@@ -51,6 +51,16 @@ std::optional<std::string> Accel::add_instances(std::unique_ptr<const Instances>
   return geometry_.add_objects(instances_->objects());
 }
 
+std::unique_ptr<Accel> Accel::shared_with(Geometry&& geometry) const {
+  auto accel = share(std::move(geometry));
+  if (accel) accel->transparent_ = transparent_;
+  return accel;
+}
+
+const Accel* Accel::prototype(size_t number) const {
+  return instances_ ? instances_->object(number) : nullptr;
+}
+
 AccelInfo Accel::info() const {
   AccelInfo info = describe();
   if (instances_) instances_->add_to(info);
@@ -63,7 +73,8 @@ void Accel::boxes(int, const std::function<void(const AccelBox&)>&) const {}
 
 std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, const Object& object,
                                                           const AccelOptions& options,
-                                                          bool one_sided, bool with_sources) {
+                                                          bool one_sided, bool with_sources,
+                                                          const Accel* like) {
   if (options.kind == AccelKind::embree && options.counters)
     return std::unexpected(
         bad_option("counters", "Embree does not count tests and steps; leave it out"));
@@ -73,14 +84,19 @@ std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, co
         Error{ErrorKind::no_resource, "",
               fmt::format("preparing the scene for tracing would take {:.1f} GB and {}",
                           bytes * 1e-9, available.text())});
-  auto accel =
-      make_accel(Geometry(scene, object, one_sided, with_sources, options.opacity), options);
-  if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
-  if (options.kind != AccelKind::none)
-    if (auto error = (*accel)->build_transparent())
-      return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
+  Geometry geometry(scene, object, one_sided, with_sources, options.opacity);
+  AccelResult accel;
+  if (like && geometry.traces_like(like->geometry()))
+    accel = like->shared_with(std::move(geometry));
+  if (!*accel) {
+    accel = make_accel(std::move(geometry), options);
+    if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});
+    if (options.kind != AccelKind::none)
+      if (auto error = (*accel)->build_transparent())
+        return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
+  }
   if (!object.instances.empty()) {
-    auto instances = Instances::build(**accel, options, one_sided, with_sources);
+    auto instances = Instances::build(**accel, options, one_sided, with_sources, like);
     if (!instances) return std::unexpected(std::move(instances.error()));
     if (auto error = (*accel)->add_instances(std::move(*instances)))
       return std::unexpected(Error{ErrorKind::no_resource, "", std::move(*error)});
@@ -90,10 +106,11 @@ std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, co
 
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
-                                                         bool one_sided, bool with_sources) try {
+                                                         bool one_sided, bool with_sources,
+                                                         const Accel* like) try {
   begin_stage(Stage::building, kBuildPasses * primitives_to_build(scene));
   check_stop();
-  return build_object(scene, scene, options, one_sided, with_sources);
+  return build_object(scene, scene, options, one_sided, with_sources, like);
 } catch (const Stopped&) {
   return std::unexpected(stopped_error());
 }

@@ -221,7 +221,15 @@ class Accel {
 
   AccelInfo info() const;
 
+  /// The same structure, without instances, for a geometry with traces_like(geometry()). Null,
+  /// without moving from it, if this structure cannot be shared.
+  std::unique_ptr<Accel> shared_with(Geometry&& geometry) const;
+  /// Equal for those that share a structure.
+  virtual const void* structure() const { return this; }
+
   const Geometry& geometry() const { return geometry_; }
+  /// Of the prototype with this number; null if there is none.
+  const Accel* prototype(size_t number) const;
 
  protected:
   explicit Accel(Geometry geometry);
@@ -232,23 +240,27 @@ class Accel {
   virtual void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
   virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
   virtual AccelInfo describe() const = 0;
+  virtual std::unique_ptr<Accel> share(Geometry&&) const { return nullptr; }
 
   void try_all_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                            TraceContext& context, const uint32_t* keys) const;
   void sum_all_transparent(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::unique_ptr<const Instances> instances_;
-  std::unique_ptr<const Bvh> transparent_;
+  std::shared_ptr<const Bvh> transparent_;
 };
 
 /// Bakes the scene, which must outlive the result, and builds the structure selected by `options`
-/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry. Errors:
-/// not enough memory (no_resource), options that contradict each other (bad_option), a stopped
-/// executor (stopped).
+/// (`automatic`: the best for the scene). `one_sided` and `with_sources` as for Geometry. `like`:
+/// of another scene, with the same options; trees of objects that differ only in colours and
+/// materials are shared. Errors: not enough memory (no_resource), options that contradict each
+/// other (bad_option), a stopped executor (stopped).
 std::expected<std::unique_ptr<Accel>, Error> build_accel(const Scene& scene,
                                                          const AccelOptions& options,
                                                          bool one_sided = false,
-                                                         bool with_sources = false);
-void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false) = delete;
+                                                         bool with_sources = false,
+                                                         const Accel* like = nullptr);
+void build_accel(Scene&&, const AccelOptions&, bool = false, bool = false,
+                 const Accel* = nullptr) = delete;
 
 }  // namespace raio::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <memory>
 
@@ -36,6 +37,20 @@ struct Pieces {
 
 Triangle triangle_of(const Object& s, const TriangleIndices& c) {
   return {s.positions[c[0]], s.positions[c[1]], s.positions[c[2]]};
+}
+
+// Bit by bit.
+template <class Elements>
+bool same_elements(const Elements& a, const Elements& b) {
+  using Bytes = std::array<std::byte, sizeof(typename Elements::value_type)>;
+  if (a.size() != b.size()) return false;
+  std::atomic<bool> same = true;
+  for_chunks(a.size(), [&](size_t, size_t first, size_t end) {
+    for (size_t i = first; i < end && same.load(std::memory_order_relaxed); ++i)
+      if (std::bit_cast<Bytes>(a[i]) != std::bit_cast<Bytes>(b[i]))
+        same.store(false, std::memory_order_relaxed);
+  });
+  return same;
 }
 
 void add_polygon(const Object& s, size_t i, size_t source, Pieces& out) {
@@ -488,6 +503,19 @@ MaterialId Geometry::material_of(PrimitiveId id, InstanceId instance) const {
     else
       return (object_->*kPoolOf<PrimitiveType<kind>>.materials)[i];
   });
+}
+
+bool Geometry::traces_like(const Geometry& other) const {
+  bool same = first_ == other.first_ && sides_ == other.sides_ && depths_ == other.depths_ &&
+              same_elements(triangles_, other.triangles_) &&
+              same_elements(positions_, other.positions_);
+  for_each_kind([&]<PrimitiveKind kind> {
+    if constexpr (kind != PrimitiveKind::triangle) {
+      constexpr auto kShapes = kPoolOf<PrimitiveType<kind>>.shapes;
+      same = same && same_elements(object_->*kShapes, other.object_->*kShapes);
+    }
+  });
+  return same;
 }
 
 // NOLINTNEXTLINE(readability-convert-member-functions-to-static): get() reads members

@@ -216,6 +216,11 @@ class Geometry {
   /// Approximate memory for baking an object, in bytes, including temporary memory.
   static double bytes_to_bake(const Scene& scene, const Object& object);
 
+  /// Whether a structure of the other is valid for this one, too: both have the same primitives,
+  /// visible sides and optical depths. Colours and materials may differ, instances are not
+  /// compared.
+  bool traces_like(const Geometry& other) const;
+
   Box3f bounds(PrimitiveId id) const;  // not for planes, which have none
   size_t bytes() const;                // without the scene
 

@@ -31,10 +31,12 @@ struct Moved {
 std::expected<std::unique_ptr<const Instances>, Error> Instances::build(const Accel& around,
                                                                         const AccelOptions& options,
                                                                         bool one_sided,
-                                                                        bool with_sources) {
+                                                                        bool with_sources,
+                                                                        const Accel* like) {
   std::unique_ptr<Instances> out(new Instances(around));
   for (const Object& object : out->geometry_.object().prototypes) {
-    auto accel = build_object(out->geometry_.scene(), object, options, one_sided, with_sources);
+    auto accel = build_object(out->geometry_.scene(), object, options, one_sided, with_sources,
+                              like ? like->prototype(out->objects_.size()) : nullptr);
     if (!accel) return std::unexpected(std::move(accel.error()));
     out->objects_.push_back(std::move(*accel));
   }

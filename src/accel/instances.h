@@ -15,12 +15,13 @@ namespace raio::core {
 class Instances {
  public:
   /// For the instances of the scene of `around`, which must outlive the result. Objects have
-  /// structures with the same options; with kind `none`, all rays try all instances. Errors as in
-  /// build_accel().
+  /// structures with the same options; with kind `none`, all rays try all instances. `like` and
+  /// errors as in build_accel().
   static std::expected<std::unique_ptr<const Instances>, Error> build(const Accel& around,
                                                                       const AccelOptions& options,
                                                                       bool one_sided,
-                                                                      bool with_sources);
+                                                                      bool with_sources,
+                                                                      const Accel* like);
 
   // As in Accel, starting from the hits on the scene's own primitives.
   void closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const;
@@ -30,6 +31,10 @@ class Instances {
   void transparent_depths(const RayBatch& rays, DepthBatch& depths, TraceContext& context) const;
 
   std::vector<const Geometry*> objects() const;
+  /// Null if there are fewer.
+  const Accel* object(size_t number) const {
+    return number < objects_.size() ? objects_[number].get() : nullptr;
+  }
   void add_to(AccelInfo& info) const;
 
  private:

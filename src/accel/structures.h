@@ -23,7 +23,8 @@ AccelResult make_embree(Geometry geometry, const AccelOptions& options);
 /// Throws Stopped.
 std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, const Object& object,
                                                           const AccelOptions& options,
-                                                          bool one_sided, bool with_sources);
+                                                          bool one_sided, bool with_sources,
+                                                          const Accel* like);
 
 /// The progress of a build counts each primitive this often (add_work()): when it is assigned to a
 /// leaf or a cell, and when its block is filled.

@@ -34,7 +34,7 @@ std::optional<std::string> Accel::build_transparent() {
   if (!geometry_.any_transparent()) return std::nullopt;
   auto bvh = build_bvh(geometry_, available_memory(), true);
   if (!bvh) return std::move(bvh.error());
-  transparent_ = std::make_unique<const Bvh>(std::move(*bvh));
+  transparent_ = std::make_shared<const Bvh>(std::move(*bvh));
   return std::nullopt;
 }
 

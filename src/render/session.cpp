@@ -13,7 +13,9 @@
 namespace raio::core {
 namespace {
 
-constexpr double kPassSeconds = 0.05;      // of refinement, between two pictures
+// Of refinement, between two pictures: a part of the time so far, since pictures change less and
+// less and drawing them takes time, too.
+constexpr double kLeastPassSeconds = 0.1, kMostPassSeconds = 0.5, kPassPart = 0.3;
 constexpr double kPatienceSeconds = 0.06;  // without a picture; beyond that, a preview comes first
 constexpr double kPreviewSeconds = 0.03;
 // Scales of the sides for pictures of unknown cost. The first is cheap at any cost per pixel; the
@@ -130,6 +132,11 @@ void Session::pause(bool paused) {
   news_.notify_all();
 }
 
+bool Session::is_paused() const {
+  const std::lock_guard lock(mutex_);
+  return paused_;
+}
+
 bool Session::is_idle() const {
   const std::lock_guard lock(mutex_);
   return waiting_ && !request_;
@@ -148,10 +155,13 @@ std::optional<SessionProgress> Session::progress() const {
   const double of_part =
       double(control_.work_done) / double(std::max<uint64_t>(1, control_.work_total));
   p.share = std::min(1.0, (stage_->part + std::min(1.0, of_part)) / stage_->parts);
-  // The initial estimate counts less and less.
+  // The initial estimate counts less and less: parts are spread over the picture, so their time
+  // soon tells more.
+  constexpr double kTelling = 0.02;
   const double all_s = p.share > 0 ? p.passed_s / p.share : stage_->expected_s;
+  const double trust = std::min(1.0, p.share / kTelling);
   p.left_s = std::max(
-      0.0, p.share * all_s + (1 - p.share) * std::max(stage_->expected_s, p.passed_s) - p.passed_s);
+      0.0, trust * all_s + (1 - trust) * std::max(stage_->expected_s, p.passed_s) - p.passed_s);
   return p;
 }
 
@@ -229,11 +239,15 @@ bool Session::bake(const SessionRequest& request, SessionPicture& next) {
     auto baked = std::make_shared<BakedScene>();
     baked->scene = request.scene, baked->options = o, baked->one_sided = next.settings.one_sided;
     const auto start = Clock::now();
+    const bool same_options =
+        baked_ && baked_->options == o && baked_->one_sided == baked->one_sided;
+    const Accel* const like = same_options ? baked_->accel.get() : nullptr;
     auto accel = Executor(next.settings.threads, &build_control_).run([&] {
-      return build_accel(*request.scene, o, next.settings.one_sided);
+      return build_accel(*request.scene, o, baked->one_sided, false, like);
     });
     if (!accel) return accel.error().kind != ErrorKind::stopped && fail(accel.error(), next);
-    baked->build_s = seconds_since(start);
+    const bool is_shared = like && (*accel)->structure() == like->structure();
+    baked->build_s = is_shared ? baked_->build_s : seconds_since(start);
     baked->accel = {accel->release(),
                     [scene = request.scene](const Accel* built) { delete built; }};
     baked->info = baked->accel->info();
@@ -309,29 +323,47 @@ void Session::refine(SessionPicture& next) {
   auto film = make_film(*baked.scene, next.settings);
   if (!film) return void(fail(film.error(), next));
   if (!first_sample(**film, expected, next)) return;
+  show(**film, next);
+  if (!time_sample(**film, next)) return;
   const int all = next.settings.samples_per_pixel();
-  for (int samples = 1;;) {
-    next.samples = samples, next.finished = samples == all;
-    next.rays = (*film)->rays();
-    next.image = std::make_shared<Image>(picture_of(**film, next.settings.view));
-    publish(next);
-    if (samples == 1 && !time_sample(next)) return;
+  while (true) {
+    show(**film, next);
     if (next.finished || !may_go_on()) return;
-    const double pass_s = std::max(next.render_s / samples, 1e-6);
-    const int step = int(std::min(kPassSeconds / pass_s, double(samples)));
-    samples += std::min(std::max(1, step), all - samples);
-    const RenderResult done = render(*baked.scene, *baked.accel, next.settings, **film, control_,
-                                     {.samples = uint32_t(samples)});
-    if (!done.finished) return;
-    next.render_s += done.seconds;
+    const double pass_s =
+        std::clamp(kPassPart * next.render_s, kLeastPassSeconds, kMostPassSeconds);
+    const double sample_s = std::max(next.render_s / next.samples, 1e-6);
+    const int step = int(std::min(pass_s / sample_s, double(next.samples)));
+    if (!add_samples(**film, std::min(std::max(1, step), all - next.samples), next)) return;
   }
+}
+
+// Renders up to so many samples per pixel. Returns the seconds, or nothing if it was stopped.
+std::optional<double> Session::render_to(Film& film, int samples, const SessionPicture& next) {
+  const BakedScene& baked = *next.baked;
+  const RenderResult done = render(*baked.scene, *baked.accel, next.settings, film, control_,
+                                   {.samples = uint32_t(samples)});
+  return done.finished ? std::optional(done.seconds) : std::nullopt;
+}
+
+std::optional<double> Session::add_samples(Film& film, int count, SessionPicture& next) {
+  const auto seconds = render_to(film, next.samples + count, next);
+  if (seconds) next.samples += count, next.render_s += *seconds;
+  return seconds;
+}
+
+// Publishes whole samples.
+void Session::show(const Film& film, SessionPicture& next) {
+  next.finished = next.samples == next.settings.samples_per_pixel();
+  next.rays = film.rays();
+  next.image = std::make_shared<Image>(picture_of(film, next.settings.view));
+  publish(next);
 }
 
 // A slow sample is rendered and shown in parts.
 bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const bool long_wait = expected > kPatienceSeconds;
-  const double part_s = std::clamp(expected / 8, kPassSeconds, kMaxPartSeconds);
+  const double part_s = std::clamp(expected / 8, kLeastPassSeconds, kMaxPartSeconds);
   const auto parts =
       long_wait ? uint32_t(std::clamp(expected / part_s, 1.0, double(kMaxParts))) : 1;
   begin_stage(SessionProgress::sample, expected);
@@ -351,15 +383,15 @@ bool Session::first_sample(Film& film, double expected, SessionPicture& next) {
     next.image = std::make_shared<Image>(over_preview(film, next.settings.view, *preview));
     publish(next);
   }
-  next.render_s = seconds;
+  next.samples = 1, next.render_s = seconds;
   pixel_s_ = seconds / (double(film.width()) * film.height());
   const std::lock_guard lock(mutex_);
   stage_.reset();
   return true;
 }
 
-// Times the first sample while nothing is drawn.
-bool Session::time_sample(SessionPicture& next) {
+// Times a sample while nothing is drawn: the next ones, or, if there are none, the first again.
+bool Session::time_sample(Film& film, SessionPicture& next) {
   std::vector<double> runs_s;
   if (next.render_s >= kLongSeconds) {
     runs_s.push_back(next.render_s);
@@ -369,19 +401,21 @@ bool Session::time_sample(SessionPicture& next) {
       news_.wait_for(lock, std::chrono::duration<double>(kDrawSeconds),
                      [&] { return control_.stop.load(); });
     }
-    const BakedScene& baked = *next.baked;
     constexpr size_t kMinRuns = 3;  // fewer would not show their spread
     for (double all = 0; runs_s.size() < kMinRuns || all < kTimingSeconds; all += runs_s.back()) {
-      const auto film = make_film(*baked.scene, next.settings);
-      if (!film) return fail(film.error(), next);
-      const RenderResult done =
-          render(*baked.scene, *baked.accel, next.settings, **film, control_, {.samples = 1});
-      if (!done.finished) return false;
-      runs_s.push_back(std::max(done.seconds, 1e-9));
+      std::optional<double> run_s;
+      if (next.samples < next.settings.samples_per_pixel() && !is_paused()) {
+        run_s = add_samples(film, 1, next);
+      } else {
+        const auto again = make_film(*next.baked->scene, next.settings);
+        if (!again) return fail(again.error(), next);
+        run_s = render_to(**again, 1, next);
+      }
+      if (!run_s) return false;
+      runs_s.push_back(std::max(*run_s, 1e-9));
     }
   }
   next.sample_s = median_interval(std::move(runs_s));
-  publish(next);
   return true;
 }
 

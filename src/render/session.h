@@ -99,12 +99,16 @@ class Session {
   bool bake(const SessionRequest& request, SessionPicture& next);
   void refine(SessionPicture& next);
   bool first_sample(Film& film, double expected_s, SessionPicture& next);
-  bool time_sample(SessionPicture& next);
+  bool time_sample(Film& film, SessionPicture& next);
+  std::optional<double> render_to(Film& film, int samples, const SessionPicture& next);
+  std::optional<double> add_samples(Film& film, int count, SessionPicture& next);
+  void show(const Film& film, SessionPicture& next);
   bool probe(SessionPicture& next);
   bool preview(double seconds, SessionPicture& next);
   bool render_scaled(double scale, SessionPicture& next);
   double expected_s(const SessionPicture& next) const;
   bool may_go_on();
+  bool is_paused() const;
   void begin_stage(SessionProgress::Stage stage, double expected_s);
   bool fail(Error why, SessionPicture& next);
   void publish(const SessionPicture& next);

@@ -9,7 +9,8 @@ namespace {
 
 class BvhAccel final : public Accel {
  public:
-  BvhAccel(Geometry geometry, Bvh bvh) : Accel(std::move(geometry)), bvh_(std::move(bvh)) {}
+  BvhAccel(Geometry geometry, std::shared_ptr<const Bvh> bvh)
+      : Accel(std::move(geometry)), shared_(std::move(bvh)), bvh_(*shared_) {}
 
   void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const override {
     hits.reset(rays.size());
@@ -42,6 +43,10 @@ class BvhAccel final : public Accel {
             .cells = bvh_.nodes.size(),
             .references = references,
             .oversized = geometry_.count(PrimitiveKind::plane)};
+  }
+  const void* structure() const override { return &bvh_; }
+  std::unique_ptr<Accel> share(Geometry&& geometry) const override {
+    return std::make_unique<BvhAccel>(std::move(geometry), shared_);
   }
 
  private:
@@ -93,7 +98,8 @@ class BvhAccel final : public Accel {
     }
   }
 
-  Bvh bvh_;
+  std::shared_ptr<const Bvh> shared_;
+  const Bvh& bvh_;
 };
 
 }  // namespace
@@ -101,7 +107,8 @@ class BvhAccel final : public Accel {
 AccelResult make_bvh(Geometry geometry) {
   auto bvh = build_bvh(geometry);
   if (!bvh) return std::unexpected(std::move(bvh.error()));
-  return std::make_unique<BvhAccel>(std::move(geometry), std::move(*bvh));
+  return std::make_unique<BvhAccel>(std::move(geometry),
+                                    std::make_shared<const Bvh>(std::move(*bvh)));
 }
 
 }  // namespace raio::core
