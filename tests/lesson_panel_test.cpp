@@ -73,10 +73,11 @@ class LessonWindow : public TemporaryFolder {
   LessonPanel panel_;
   ImVec2 size_{420, 1300};
   std::multiset<std::string> events_;
+  bool needs_scene_ = false;
 
  private:
   void draw() {
-    const LessonResult now = panel_.draw({0, 0, size_.x, size_.y});
+    const LessonResult now = panel_.draw({0, 0, size_.x, size_.y}, needs_scene_);
     if (now.show) events_.insert("show " + option_arguments(now.show->options));
     if (now.page) events_.insert(fs::path(*now.page).filename().string());
     if (now.copied) events_.insert(*now.copied);
@@ -96,6 +97,19 @@ TEST_F(LessonWindow, HasButtonsForCommandsLinksAndNeighbours) {
   // The solution is open now. Its button is the lowest but one, above that which copies.
   screen().click(from_the_top().end()[-2]);
   EXPECT_EQ(events_.count("show  --depth 9"), 1u);
+}
+
+TEST_F(LessonWindow, ShowsItsFirstSceneIfNoneIsOpen) {
+  needs_scene_ = true;
+  screen().frame();
+  EXPECT_THAT(events_, ElementsAre("show "));
+  panel_.open(course_ / "2-next.md");
+  screen().frame();
+  EXPECT_EQ(events_.size(), 1u) << "this page shows none";
+  needs_scene_ = false;
+  panel_.open(course_ / "1-first.md");
+  screen().frame();
+  EXPECT_EQ(events_.size(), 1u);
 }
 
 TEST_F(LessonWindow, JudgesAnAnswerWhenItIsGiven) {

@@ -19,14 +19,15 @@ bool Controls::close() {
 
 ControlResult Controls::draw(ViewState& state, const Layout& layout, const ControlFacts& facts) {
   ControlResult result;
+  if (layout.lesson.width() > 0) result.lesson = lesson.draw(layout.lesson, state.path.empty());
   if (state.path.empty()) {
     const WelcomeResult welcome = draw_welcome(layout.picture, facts.welcome);
-    result.open = welcome.open, result.lesson.page = welcome.lesson;
+    result.open = welcome.open;
+    if (welcome.lesson) result.lesson.page = welcome.lesson;
     if (welcome.asks) result.pressed.push_back(&key_of(Command::open));
   } else if (layout.panel.width() > 0 && !facts.has_inspector) {
     static_cast<PanelResult&>(result) = draw_panel(state, facts.panel, layout.panel);
   }
-  if (layout.lesson.width() > 0) result.lesson = lesson.draw(layout.lesson);
   draw_tool_bar(layout.tool_bar, state, facts.tools, result.pressed);
   const Status none{Status::Kind::done, tr("No scene is open")};
   draw_status(layout.status, state.path.empty() ? none : status_of(facts.status), facts.read_out);

@@ -4,6 +4,8 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <utility>
+
 #include "view/panel_parts.h"
 #include "view/texts.h"
 #include "view/theme.h"
@@ -47,9 +49,17 @@ bool opens(const char* title) {
                            ImGuiTreeNodeFlags_SpanAvailWidth | ImGuiTreeNodeFlags_NoTreePushOnOpen);
 }
 
+// The first scene of the text; nothing if it has none.
+std::optional<app::ShownScene> first_shown(const Lesson& lesson) {
+  for (const Block& block : lesson.text)
+    for (const CodeLine& line : block.lines)
+      if (!line.buttons.empty()) return line.buttons.front().shown;
+  return std::nullopt;
+}
+
 }  // namespace
 
-LessonResult LessonPanel::draw(const Rect& where) {
+LessonResult LessonPanel::draw(const Rect& where, bool needs_scene) {
   LessonResult result;
   begin_panel("lesson", where, false);
   ImGui::GetWindowDrawList()->AddLine({where.right - 1, where.top}, {where.right - 1, where.bottom},
@@ -61,6 +71,7 @@ LessonResult LessonPanel::draw(const Rect& where) {
     wrapped_text(lesson_->error().text());
   } else {
     const Lesson& lesson = **lesson_;
+    if (std::exchange(is_new_, false) && needs_scene) result.show = first_shown(lesson);
     draw_blocks(lesson.text, pictures_, result);
     for (size_t i = 0; i < lesson.exercises.size(); ++i) draw_exercise(i, result);
     draw_blocks(lesson.after, pictures_, result);

@@ -21,12 +21,15 @@ struct LessonResult : PageEvents {
 
 class LessonPanel {
  public:
-  void open(const std::filesystem::path& page) { page_ = page, lesson_ = read_lesson(page); }
+  void open(const std::filesystem::path& page) {
+    page_ = page, lesson_ = read_lesson(page), is_new_ = true;
+  }
   void close() { lesson_.reset(); }
   bool is_open() const { return lesson_.has_value(); }
 
-  /// Draws the open lesson. Each page keeps its place and its answers while the window is open.
-  LessonResult draw(const Rect& where);
+  /// Draws the open lesson. Each page keeps its place and its answers while the window is open. A
+  /// new page asks for its first scene if it `needs_scene`: none is open.
+  LessonResult draw(const Rect& where, bool needs_scene = false);
 
  private:
   struct Typed {
@@ -36,9 +39,10 @@ class LessonPanel {
 
   void draw_head(LessonResult& result) const;
   void draw_exercise(size_t number, LessonResult& result);
-  void draw_answer(const Answer& answer, Typed& typed);
+  static void draw_answer(const Answer& answer, Typed& typed);
 
   std::filesystem::path page_;
+  bool is_new_ = false;                                 // not drawn yet
   std::optional<std::expected<Lesson, Error>> lesson_;  // none: closed
   PagePictures pictures_;
   std::map<std::string, Typed> typed_;  // by page, exercise and answer
