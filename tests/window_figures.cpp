@@ -5,9 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <span>
 #include <thread>
 
 #include "window_driver.h"
@@ -62,14 +64,13 @@ void orbit(raio::core::WindowDriver& window, int width, int height) {
              std::ranges::min(widths), std::ranges::min(heights));
 }
 
-// From the press of an effect's key to the first picture that shows it.
-void press_keys(raio::core::WindowDriver& window) {
-  constexpr unsigned long kEffects[] = {XK_a, XK_s, XK_d, XK_r, XK_t};
+// From the press of a key to the first picture that shows its effect or view.
+void press_keys(raio::core::WindowDriver& window, std::span<const unsigned long> keys) {
   std::vector<double> ms;
   for (int i = 0; i < kKeys; ++i) {
     const size_t from = window.mark();
     const auto pressed = Clock::now();
-    window.key(kEffects[i % std::size(kEffects)]);
+    window.key(keys[size_t(i) % keys.size()]);
     const auto request = window.wait_for("request: ([0-9]+)", from);
     if (!request) return;
     const auto seen =
@@ -88,9 +89,10 @@ void press_keys(raio::core::WindowDriver& window) {
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: raio_window_figures SCENE.nff...\n");
+    fmt::print(stderr, "usage: raio_window_figures SCENE...\n");
     return 2;
   }
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // results as they come
   const raio::core::Display display;
   constexpr int kSide = 512;
   for (int i = 1; i < argc; ++i) {
@@ -103,10 +105,14 @@ int main(int argc, char** argv) {
                std::ranges::max(starts));
     raio::core::WindowDriver window(display, arguments, ".");
     orbit(window, kSide, kSide);
-    press_keys(window);
+    // Figures have views, but no effects.
+    const std::string suffix = std::filesystem::path(argv[i]).extension();
+    if (suffix == ".nff" || suffix == ".p3f")
+      press_keys(window, std::array<unsigned long, 5>{XK_a, XK_s, XK_d, XK_r, XK_t});
+    else
+      press_keys(window, std::array<unsigned long, 4>{XK_2, XK_1, XK_3, XK_1});
     window.key(XK_q);
     (void)window.end();
-    std::fflush(stdout);
   }
   return 0;
 }

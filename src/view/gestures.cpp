@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kClickTravel = 4;   // window units that a click may move
 constexpr double kBarReach = 6;      // distance at which the bar can be grabbed
+constexpr double kHalfTurn = 400;    // least distance of a drag that turns by 180 degrees
 constexpr double kWheelStep = 0.88;  // factor of the remaining distance
 constexpr double kReach = 1.5;       // of dragging, relative to the distance of the point looked at
 constexpr double kWalkPerSecond = 0.7;  // relative to the distance of the point looked at
@@ -72,9 +73,11 @@ bool Gestures::move(double x, double y) {
   if (drag_ == Drag::none || travelled_ <= kClickTravel) return false;
   Camera& camera = state_.camera;
   const double view_rad = double(shown_camera().fov_deg) * std::numbers::pi / 180;
+  // Over the height of the picture, unless that is small.
+  const double half_turn = std::numbers::pi * std::min(1.0, height / kHalfTurn);
   switch (drag_) {
     case Drag::orbit:
-      camera = orbited(camera, pivot_, -dx * std::numbers::pi, dy * std::numbers::pi);
+      camera = orbited(camera, pivot_, -dx * half_turn, dy * half_turn);
       state_.follow_focus();
       return true;
     case Drag::pan:
