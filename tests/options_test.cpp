@@ -46,7 +46,9 @@ std::string other_value(const OptionEntry<Options>& spec) {
              : spec.name == "images"          ? "2,1,1"
                                               : "0.25,0.5";
     case OptionType::text:
-      return spec.name == "assembly" ? "2" : "element";
+      return spec.name == "assembly"      ? "2"
+             : spec.name == "color-atoms" ? "chain A: orange; index 0-3: 0.5,0,1"
+                                          : "element";
   }
   return {};
 }

@@ -278,11 +278,11 @@ TEST(Panel, TheSelectionMovesNothingAndOffersWhatFits) {
   SelectionFacts atom;
   atom.lines = {"sphere 1, material 1", "C, ALA 1 CA", "atom 1", "at 0, 0, 0", "distance 1"};
   atom.material = 1, atom.is_atom = true;
-  EXPECT_THAT(offered(atom), testing::ElementsAre(inspect, turn, clear, hide));
+  EXPECT_THAT(offered(atom), testing::ElementsAre(inspect, turn, clear, hide, color));
   EXPECT_FALSE(changed) << "its material is that of other atoms";
   atom.has_residue = atom.has_chain = atom.can_focus = true;
-  EXPECT_THAT(offered(atom),
-              testing::ElementsAre(focus, inspect, turn, clear, hide, hide_residue, hide_chain));
+  EXPECT_THAT(offered(atom), testing::ElementsAre(focus, inspect, turn, clear, hide, hide_residue,
+                                                  hide_chain, color, color_residue, color_chain));
   SelectionFacts mesh;
   mesh.lines = {"triangle 1, material 1", "at 0, 0, 0"}, mesh.material = 1;
   const Rgb first = state.scene->materials[0].color, second = state.scene->materials[1].color;

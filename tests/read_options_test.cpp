@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/srgb.h"
 #include "data_files.h"
 #include "render/provenance.h"
 
@@ -17,11 +18,14 @@ using testing::IsEmpty;
 // row of the table or a reason why it needs none.
 ReadOptions unusual() {
   ReadOptions o = kForPictures;
-  auto& [style, color_by, colormap, color_range, smooth, radius, assembly, frame, atom_style, cell,
-         images, only, hide, show, hide_solvent, instances, labels, folder, cache] = o;
+  auto& [style, color_by, colormap, color_range, smooth, color_atoms, radius, assembly, frame,
+         atom_style, cell, images, only, hide, show, hide_solvent, instances, labels, folder,
+         cache] = o;
   style = AtomStyle::sticks, color_by = "forces.1", colormap = "plasma";
   color_range = {0.1, -2e10}, smooth = 12.5F, radius = 0.3F, assembly = 0, frame = -3;
   atom_style = "full", cell = false, images = {2, 1, 3};
+  color_atoms = {{"chain A", linear_from_srgb(0xffa500u), "orange"},
+                 {"index 0-3", {0.5F, 0, 1}, "0.5,0,1"}};
   only = "not (water, ion)", hide = "hydrogen", show = "residue HEM,5-12";
   // The program sets these, not the user.
   (void)hide_solvent, (void)instances, (void)labels, (void)folder, (void)cache;
@@ -48,6 +52,25 @@ TEST(ReadOptionsTest, TextsBringThemBack) {
             " --color-by 'a b' --assembly 2 --cell");
   EXPECT_THAT(option_arguments(all), HasSubstr(" --assembly none"));
   EXPECT_THAT(option_arguments(all), HasSubstr(" --no-cell"));
+}
+
+TEST(ReadOptionsTest, ColoursOfAtomsSayWhatIsWrong) {
+  const ReadOptionSpec& spec = read_option_of("color-atoms");
+  ReadOptions options;
+  const auto error = [&](std::string_view text) {
+    const auto set = spec.set(options, text);
+    return set ? "" : set.error();
+  };
+  EXPECT_EQ(error(" chain A : red ;; index 1:#f80;"), "");
+  EXPECT_EQ(spec.text(options), "chain A: red; index 1: #f80");
+  EXPECT_THAT(error("chain A"), HasSubstr("a colon and a colour, as in"));
+  EXPECT_THAT(error("chian A: red"), HasSubstr("'chian A', column 1: expected water"));
+  EXPECT_THAT(error("chain A: redd"), HasSubstr("did you mean red?"));
+  EXPECT_THAT(error("chain A: transparent"), HasSubstr("expected a colour, found 'transparent'"));
+  std::string many;
+  for (size_t i = 0; i <= kMaxAtomColors; ++i) many += "all: red;";
+  EXPECT_THAT(error(many), HasSubstr("at most 255 colours"));
+  EXPECT_EQ(spec.text(options), "chain A: red; index 1: #f80") << "errors change nothing";
 }
 
 TEST(ReadOptionsTest, PicturesKeepThem) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "data_files.h"
+#include "io/atoms/colors.h"
 #include "io/atoms/element_names.h"
 
 namespace raio::core {
@@ -190,6 +191,37 @@ TEST(Select, IndexColorsAreThoseOfTheFile) {
   ASSERT_TRUE(got && got->colors);
   EXPECT_EQ(got->colors->least, 3.0);
   EXPECT_EQ(got->colors->most, 5.0);
+}
+
+TEST(Select, ColoursOfSelectionsReplaceOthers) {
+  const Rgb red(1, 0, 0), blue(0, 0, 1);
+  const ReadOptions options{
+      .color_by = "chain",
+      .color_atoms = {{"index 0-4", red, "red"}, {"index 2", blue, "blue"}, {"index 0", blue, ""}},
+      .only = "not index 0"};
+  const auto got = read(pdb(), "a.pdb", options);
+  ASSERT_TRUE(got);
+  const Scene& s = got->scene;
+  const auto color = [&](size_t sphere) { return s.materials[s.sphere_materials[sphere]].color; };
+  EXPECT_EQ(color(0), red);
+  EXPECT_EQ(color(1), blue) << "the last one counts; atom 2 is the second that is drawn";
+  EXPECT_EQ(color(2), red);
+  EXPECT_EQ(color(4), distinct_color(1)) << "chain B";
+  std::vector<std::string> names;
+  for (const LegendEntry& entry : got->legend) names.push_back(entry.name);
+  EXPECT_THAT(names, testing::ElementsAre("chain A", "chain B", "index 0-4", "index 2"))
+      << "an atom that is not drawn has no entry";
+  const auto mapped =
+      read(pdb(), "a.pdb", {.color_by = "index", .color_atoms = {{"index 1", red, "red"}}});
+  ASSERT_TRUE(mapped && mapped->colors);
+  EXPECT_EQ(mapped->scene.materials[mapped->scene.sphere_materials[1]].color, red);
+  EXPECT_EQ(mapped->legend.size(), 1u);
+  EXPECT_THAT(notices(read(pdb(), "a.pdb", {.color_atoms = {{"index 50", red, "red"}}})),
+              HasSubstr("selections of color-atoms without atoms"));
+  EXPECT_THAT(error(kWater, "a.xyz", {.color_atoms = {{"chain A", red, "red"}}}),
+              HasSubstr("color-atoms needs chains"));
+  EXPECT_THAT(error(kMesh, "a.ply", {.color_atoms = {{"all", red, "red"}}}),
+              HasSubstr("color-atoms has no effect"));
 }
 
 TEST(Select, MissingProperties) {

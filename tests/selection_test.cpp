@@ -220,6 +220,29 @@ TEST_F(HidingAtoms, AddsThemToTheOptionOfTheReader) {
             "(water, ion) and not (index 1,3) and not (index 2) and not (index 4)");
 }
 
+TEST_F(HidingAtoms, ColoursThemAndKeepsThemSelected) {
+  app.view.form.own_color = {1, 0.5f, 0};
+  use({1, 3}, SelectionUse::color);
+  EXPECT_EQ(app.selection.picks().size(), 2u);
+  const auto text = [&] { return read_option_of("color-atoms").text(app.view.read_options); };
+  EXPECT_EQ(text(), "index 1,3: #ff8000");
+  EXPECT_THAT(app.view.command_line(64, 48, 1, "a.png"),
+              HasSubstr("--color-atoms 'index 1,3: #ff8000'"));
+  app.view.form.own_color = {0, 0, 1};
+  use({4}, SelectionUse::color_chain);
+  use({0}, SelectionUse::color_residue);
+  EXPECT_EQ(text(), "index 1,3: #ff8000; chain B: #0000ff; residue 1 and chain A: #0000ff");
+  use({1, 3}, SelectionUse::color);
+  EXPECT_EQ(text(), "chain B: #0000ff; residue 1 and chain A: #0000ff; index 1,3: #0000ff")
+      << "the older one of the same atoms is gone";
+  const Scene& s = *app.view.scene;
+  const auto color = [&](size_t atom) { return s.materials[s.sphere_materials[atom]].color; };
+  EXPECT_EQ(color(1), Rgb(0, 0, 1));
+  EXPECT_NE(color(2), Rgb(0, 0, 1));
+  use({1}, SelectionUse::hide);
+  EXPECT_TRUE(app.selection.empty());
+}
+
 TEST_F(HidingAtoms, HidesResiduesAndChainsAndIsUndone) {
   EXPECT_FALSE(app.selection_facts().is_atom) << "nothing is selected";
   Pick pick = at({0, 0, 0});

@@ -24,6 +24,10 @@ float linear_from_srgb(float encoded) {
   return float(x <= 0.04045 ? x / 12.92 : unit(power((x + 0.055) / 1.055, 2.4)));
 }
 
+Rgb linear_from_srgb(Rgb encoded) {
+  return {linear_from_srgb(encoded.x), linear_from_srgb(encoded.y), linear_from_srgb(encoded.z)};
+}
+
 const std::array<float, 256>& linear_from_srgb_bytes() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> all{};

@@ -12,6 +12,7 @@ namespace raio::core {
 /// values 1.
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
+Rgb linear_from_srgb(Rgb encoded);
 /// A table for all 8-bit display values.
 const std::array<float, 256>& linear_from_srgb_bytes();
 /// The linear colour of a display value 0xrrggbb.

@@ -15,8 +15,8 @@ namespace raio::core {
 struct WrittenColor {
   Rgb color;
   bool transparent = false;  // the colour is then black
-  /// Whether these are display values, as for names and #rrggbb; linear_from_srgb() of
-  /// integrate/tone.h converts them to light. Three numbers are taken as they are, 1 being white.
+  /// Whether these are display values, as for names and #rrggbb; linear_from_srgb() converts
+  /// them to light. Three numbers are taken as they are, 1 being white.
   bool encoded = false;
   /// For a background: a sky instead of the colour, named by its folder. parse_color() sets none.
   std::shared_ptr<const CubeMap> sky = {};  // NOLINT(readability-redundant-member-init)

@@ -30,6 +30,16 @@ struct FrameCache {
   std::shared_ptr<void> found;
 };
 
+/// Atoms with a colour of their own.
+struct AtomColor {
+  std::string atoms;    // a selection (io/atoms/select.h)
+  Rgb color;            // linear
+  std::string written;  // the colour as text
+
+  friend bool operator==(const AtomColor&, const AtomColor&) = default;
+};
+inline constexpr size_t kMaxAtomColors = 255;
+
 /// Options for files that leave choices open: atoms, points and meshes.
 struct ReadOptions {
   // NOLINTBEGIN(readability-redundant-member-init): so that some can be omitted
@@ -39,8 +49,10 @@ struct ReadOptions {
   std::optional<std::array<double, 2>> color_range =
       {};  // the numbers at its ends; none: automatic
   std::optional<float> smooth =
-      {};            // the angle, in degrees, up to which edges of meshes are smoothed
-  float radius = 0;  // of points without one, scene units; 0: from their spacing
+      {};  // the angle, in degrees, up to which edges of meshes are smoothed
+  // At most kMaxAtomColors; where they overlap, the last one counts.
+  std::vector<AtomColor> color_atoms = {};
+  float radius = 0;                  // of points without one, scene units; 0: from their spacing
   std::optional<int> assembly = {};  // biological; 0: none; absent: 1 if there is one
   int frame = 0;                     // of a trajectory, or model, from 0; negative: from the end
   std::string atom_style = {};       // for LAMMPS data; empty: as in the file

@@ -121,6 +121,7 @@ std::string_view unfit_option(const ReadOptions& options, const FileKind& kind) 
   if (!options.only.empty()) return "only";
   if (!options.hide.empty()) return "hide";
   if (!options.show.empty()) return "show";
+  if (!options.color_atoms.empty()) return "color-atoms";
   if (options.assembly) return "assembly";
   if (options.cell.value_or(false)) return "cell";
   if (options.images != usual.images) return "images";

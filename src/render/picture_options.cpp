@@ -110,9 +110,7 @@ Background background_of(const RenderOptions& options, const Scene& scene) {
   const WrittenColor& written = *options.background;
   if (!written.encoded || tone_of(options, scene) == Tone::none)
     return {written.color, written.sky};
-  Rgb light;
-  for (int c = 0; c < 3; ++c) light[c] = linear_from_srgb(written.color[c]);
-  return {light, nullptr};
+  return {linear_from_srgb(written.color), nullptr};
 }
 
 ChannelSet channels_of(const RenderOptions& options) {

@@ -2,8 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <ranges>
 
+#include "base/spelling.h"
+#include "base/srgb.h"
+#include "integrate/color_text.h"
 #include "io/atoms/select.h"
 #include "io/colormaps.h"
 #include "render/options.h"
@@ -49,6 +54,37 @@ std::string assembly_text(const ReadOptions& o, const ReadOptionSpec& spec) {
   return o.assembly == 0 ? "none" : kAssembly.text(o, spec);
 }
 
+ReadSet set_color_atoms(ReadOptions& o, const ReadOptionSpec&, std::string_view text) {
+  std::vector<AtomColor> colors;
+  for (const auto part : std::views::split(text, ';')) {
+    const std::string_view entry = trimmed({part.begin(), part.end()});
+    if (entry.empty()) continue;
+    const size_t colon = entry.rfind(':');
+    if (colon == std::string_view::npos)
+      return expected_but("a selection, a colon and a colour, as in \"chain A: orange\"", entry);
+    const std::string_view atoms = trimmed(entry.substr(0, colon)),
+                           written = trimmed(entry.substr(colon + 1));
+    if (auto why = selection_problem(atoms); !why.empty())
+      return std::unexpected(fmt::format("'{}', {}", atoms, why));
+    const auto color = parse_color(written);
+    if (!color) return std::unexpected(color.error());
+    if (color->transparent) return expected_but("a colour", written);
+    if (colors.size() == kMaxAtomColors)
+      return std::unexpected(fmt::format("expected at most {} colours", kMaxAtomColors));
+    colors.push_back({std::string(atoms),
+                      color->encoded ? linear_from_srgb(color->color) : color->color,
+                      std::string(written)});
+  }
+  return o.color_atoms = std::move(colors), ReadSet();
+}
+
+std::string color_atoms_text(const ReadOptions& o, const ReadOptionSpec&) {
+  std::string text;
+  for (const auto& [atoms, color, written] : o.color_atoms)
+    text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", atoms, written);
+  return text;
+}
+
 using enum OptionGroup;
 using table::option, table::usual, table::range, table::one_of;
 
@@ -67,6 +103,11 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
            OptionValue<ReadOptions>{OptionType::list, set_color_range, kColorRange.text,
                                     kColorRange.reset},
            usual("the smallest and the largest")),
+    option(figures, "color-atoms", "SEL:COLOR;...",
+           "Colour these atoms, whatever `color-by` says, as in \"chain A: orange; ligand: "
+           "#c02020\"; the last one counts",
+           OptionValue<ReadOptions>{OptionType::text, set_color_atoms, color_atoms_text,
+                                    [](ReadOptions& o) { o.color_atoms.clear(); }}),
     option(figures, "radius", "R",
            "Radius of points without one and of space-filling atoms; ball-and-stick uses 0.27 of "
            "it",
@@ -107,6 +148,10 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
 }  // namespace
 
 std::span<const ReadOptionSpec> read_option_table() { return kReadTable; }
+
+const ReadOptionSpec& read_option_of(std::string_view name) {
+  return *std::ranges::find(kReadTable, name, &ReadOptionSpec::name);
+}
 
 std::string option_arguments(const ReadOptions& options) {
   std::string out;

@@ -14,6 +14,8 @@ using ReadOptionSpec = OptionEntry<ReadOptions>;
 
 /// All of them, in the order of the help.
 std::span<const ReadOptionSpec> read_option_table();
+/// The entry with this name, which must exist.
+const ReadOptionSpec& read_option_of(std::string_view name);
 
 /// The command-line arguments for these options: " --style sticks --cell".
 std::string option_arguments(const ReadOptions& options);

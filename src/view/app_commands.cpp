@@ -153,6 +153,10 @@ void AppState::use_selection(SelectionUse use) {
     case SelectionUse::hide_residue:
     case SelectionUse::hide_chain:
       return hide_selected(use);
+    case SelectionUse::color:
+    case SelectionUse::color_residue:
+    case SelectionUse::color_chain:
+      return color_selected(use);
     default:
       selection.clear();
       return refresh();

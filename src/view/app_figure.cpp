@@ -6,6 +6,7 @@
 
 #include "base/platform/memory.h"
 #include "io/atoms/labels.h"
+#include "io/image/image.h"
 #include "render/render.h"
 #include "view/app_state.h"
 #include "view/texts.h"
@@ -41,30 +42,48 @@ void AppState::change_read_option(const ReadChange& change) {
     read_again(next);
 }
 
-// Adds the picked atoms to `hide`, and takes them out of `show`, which outranks it.
-void AppState::hide_selected(SelectionUse use) {
-  if (!view.file || !view.file->atoms) return;
+void AppState::change_read_option(std::string_view option, const std::string& text) {
+  change_read_option({&read_option_of(option), text});
+}
+
+std::string AppState::selected(SelectionUse use) const {
+  if (!view.file || !view.file->atoms) return {};
   const AtomLabels& labels = *view.file->atoms;
   std::vector<uint32_t> atoms;
   std::set<std::string> parts;
   for (const Pick& pick : selection.picks()) {
     if (!pick.atom) continue;
     atoms.push_back(*pick.atom);
-    parts.insert(use == SelectionUse::hide_residue ? labels.select_residue(*pick.atom)
-                                                   : labels.select_chain(*pick.atom));
+    if (use == SelectionUse::hide_residue || use == SelectionUse::color_residue)
+      parts.insert(labels.select_residue(*pick.atom));
+    if (use == SelectionUse::hide_chain || use == SelectionUse::color_chain)
+      parts.insert(labels.select_chain(*pick.atom));
   }
-  if (use == SelectionUse::hide) parts = {labels.select(atoms)};
+  if (parts.empty()) return labels.select(atoms);
   std::string chosen;
   for (const std::string& part : parts)
     if (!part.empty()) chosen = either(chosen, part);
+  return chosen;
+}
+
+// Adds them to `hide`, and takes them out of `show`, which outranks it.
+void AppState::hide_selected(SelectionUse use) {
+  const std::string chosen = selected(use);
   if (chosen.empty()) return;
-  const auto change = [&](std::string_view option, const std::string& text) {
-    const auto table = read_option_table();
-    change_read_option({&*std::ranges::find(table, option, &ReadOptionSpec::name), text});
-  };
   const ReadOptions before = read_options();
-  change("hide", either(before.hide, chosen));
-  if (!before.show.empty()) change("show", but_not(before.show, chosen));
+  change_read_option("hide", either(before.hide, chosen));
+  if (!before.show.empty()) change_read_option("show", but_not(before.show, chosen));
+}
+
+void AppState::color_selected(SelectionUse use) {
+  const std::string chosen = selected(use);
+  if (chosen.empty()) return;
+  ReadOptions next = read_options();
+  std::erase_if(next.color_atoms, [&](const AtomColor& color) { return color.atoms == chosen; });
+  const auto byte = [&](int c) { return int(to_byte(view.form.own_color[c])); };
+  next.color_atoms.push_back(
+      {chosen, {}, fmt::format("#{:02x}{:02x}{:02x}", byte(0), byte(1), byte(2))});
+  change_read_option("color-atoms", read_option_of("color-atoms").text(next));
 }
 
 void AppState::read_again(const ReadOptions& options) {

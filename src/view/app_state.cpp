@@ -24,6 +24,13 @@ constexpr double kWaitingSeconds = 0.5;   // between drawings while nothing new 
 
 std::string text_of(Vec3f v) { return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z); }
 
+// Whether these options give the same atoms.
+bool same_but_colors(ReadOptions a, const ReadOptions& b) {
+  a.color_by = b.color_by, a.colormap = b.colormap, a.color_range = b.color_range;
+  a.color_atoms = b.color_atoms;
+  return a == b;
+}
+
 }  // namespace
 
 AppState::AppState(ViewState first_view, const RenderOptions& first, const Theme& first_look,
@@ -287,8 +294,10 @@ void AppState::on(const SceneFile::Read& read) {
     view.form.option.clear();
   }
   if (is_other) view.form.plays = false;
+  const bool keeps_atoms =
+      read.is_reread && selection.is_of_atoms() && same_but_colors(view.read_options, read.options);
   view.open(read.path, *read.scene, read.options, read.file);
-  selection.clear();
+  if (!keeps_atoms) selection.clear();
   ask(request::ForgetMeasurements{});
   warnings = Warnings(read.warnings);
   // A new version of the file, or other options, are a step that can be undone; another scene is a

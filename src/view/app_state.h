@@ -151,6 +151,11 @@ class AppState {
   // Figures, in app_figure.cpp: how the file is read, frames in time, pictures for print.
   void use_figure_panel(const FigureResult& did);
   void change_read_option(const ReadChange& change);
+  void change_read_option(std::string_view option, const std::string& text);
+  // The selected atoms, their residues or chains, as a selection for options; empty: none.
+  std::string selected(SelectionUse use) const;
+  void hide_selected(SelectionUse use);
+  void color_selected(SelectionUse use);
   void read_again(const ReadOptions& options);
   // Whether the result of reading is still wanted.
   bool is_wanted(const SceneFile::Read& read) const;
@@ -170,7 +175,6 @@ class AppState {
   void use_selection(SelectionUse use);
   // The rays of the pixel that shows it.
   void inspect(const Vec3d& point);
-  void hide_selected(SelectionUse use);
   void switch_focusing();
   void switch_split();
   void switch_comparing();

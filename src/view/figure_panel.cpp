@@ -43,10 +43,6 @@ void wrapped(const std::string& line, const ImVec4& color) {
   ImGui::PopStyleColor();
 }
 
-const ReadOptionSpec& read_option(std::string_view name) {
-  return *std::ranges::find(read_option_table(), name, &ReadOptionSpec::name);
-}
-
 void tooltip(const auto& spec) {
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s", fmt::format("--{} {}\n{}", spec.name, spec.value_name,
@@ -90,13 +86,15 @@ class FigurePanel {
 
  private:
   // --- the file's reader
-  std::string asked(std::string_view option) const { return read_option(option).text(facts_.read); }
+  std::string asked(std::string_view option) const {
+    return read_option_of(option).text(facts_.read);
+  }
   void ask(std::string_view option, std::string text) {
-    result_.reads.push_back({&read_option(option), std::move(text)});
+    result_.reads.push_back({&read_option_of(option), std::move(text)});
   }
 
   // Why the file could not be read with the last change.
-  void draw_problem(std::string_view option) {
+  void draw_problem(std::string_view option) const {
     const FigureForm& form = state_.form;
     if (form.option == option && !form.problem.empty())
       wrapped(with_settings(form.problem, ""), palette().bad);
@@ -109,7 +107,7 @@ class FigurePanel {
     ImGui::PushID(name);
     if (choose("##combo", chosen.empty() ? usual : chosen, texts, usual, chosen))
       ask(option, chosen);
-    tooltip(read_option(option));
+    tooltip(read_option_of(option));
     ImGui::PopID();
     draw_problem(option);
   }
@@ -125,7 +123,7 @@ class FigurePanel {
     }
     // By Enter or by a click elsewhere.
     if (ImGui::IsItemDeactivatedAfterEdit()) ask(option, form.typed);
-    tooltip(read_option(option));
+    tooltip(read_option_of(option));
     ImGui::PopID();
     draw_problem(option);
   }
@@ -153,7 +151,7 @@ class FigurePanel {
 
   void draw_atoms(const ReadChoices& has) {
     heading("Atoms");
-    const auto& style = read_option("style");
+    const auto& style = read_option_of("style");
     std::vector<std::string> styles(style.words.begin(), style.words.end());
     combo("style", "style", styles, trf("automatic: {}", styles[size_t(has.style)]));
     field("only", "only", tr("all"));
@@ -170,7 +168,7 @@ class FigurePanel {
     bool cell = facts_.read.cell.value_or(has.cell);
     label("unit cell");
     if (ImGui::Checkbox("##cell", &cell)) ask("cell", cell ? "true" : "false");
-    tooltip(read_option("cell"));
+    tooltip(read_option_of("cell"));
     draw_problem("cell");
     std::array<int, 3> images = facts_.read.images;
     label("images");
@@ -178,7 +176,7 @@ class FigurePanel {
       ask("images",
           fmt::format("{},{},{}", std::clamp(images[0], 1, kMaxImages),
                       std::clamp(images[1], 1, kMaxImages), std::clamp(images[2], 1, kMaxImages)));
-    tooltip(read_option("images"));
+    tooltip(read_option_of("images"));
     draw_problem("images");
   }
 
@@ -188,7 +186,7 @@ class FigurePanel {
     if (ImGui::DragFloat("##radius", &radius, 0.01f, 0, 1e6f,
                          radius > 0 ? "%.3g" : tr("automatic")))
       ask("radius", radius > 0 ? fmt::format("{:.3g}", radius) : "");
-    tooltip(read_option("radius"));
+    tooltip(read_option_of("radius"));
     draw_problem("radius");
   }
 
@@ -198,10 +196,11 @@ class FigurePanel {
           !has.atoms                     ? std::string(tr("the file's colours"))
           : facts_.read.color_by.empty() ? trf("automatic: {}", has.color_by)
                                          : std::string(tr("automatic")));
+    if (has.atoms) field("colours of", "color-atoms", tr("for example chain A: orange"));
     const auto& scale = state_.file->colors;
     if (!has.atoms && !state_.scene->spheres.empty()) draw_radius();
     if (!scale) return;
-    const auto& map = read_option("colormap");
+    const auto& map = read_option_of("colormap");
     combo("colour map", "colormap", {map.words.begin(), map.words.end()},
           trf("automatic: {}", kColormaps[0]));
     draw_map(scale->map);
@@ -213,7 +212,7 @@ class FigurePanel {
     if (ImGui::DragScalarN("##range", ImGuiDataType_Double, range.data(), 2, speed, nullptr,
                            nullptr, "%.6g"))
       ask("color-range", fmt::format("{:.6g},{:.6g}", range[0], range[1]));
-    tooltip(read_option("color-range"));
+    tooltip(read_option_of("color-range"));
     label("");
     if (ImGui::Checkbox(tr("smallest to largest"), &automatic))
       ask("color-range", automatic ? "" : fmt::format("{:.6g},{:.6g}", range[0], range[1]));
@@ -244,7 +243,7 @@ class FigurePanel {
     if (ImGui::SliderFloat("##smooth", &degrees, 0, 180, form.c_str(),
                            ImGuiSliderFlags_AlwaysClamp))
       ask("smooth", fmt::format("{:.0f}", degrees));
-    tooltip(read_option("smooth"));
+    tooltip(read_option_of("smooth"));
     draw_problem("smooth");
   }
 

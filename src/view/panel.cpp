@@ -140,7 +140,7 @@ void draw_selection(ViewState& state, const SelectionFacts& facts, PanelResult& 
   constexpr float kLines = 5;
   const float row = ImGui::GetTextLineHeightWithSpacing(), buttons_at = kLines * row;
   float& height = *ImGui::GetStateStorage()->GetFloatRef(ImGui::GetID("height"), row);
-  if (!facts.lines.empty()) height = buttons_at + 2 * ImGui::GetFrameHeightWithSpacing();
+  if (!facts.lines.empty()) height = buttons_at + 3 * ImGui::GetFrameHeightWithSpacing();
   ImGui::BeginChild("selection", {0, height});
   if (facts.lines.empty()) faint_text(tr("click the picture to select"));
   for (const std::string& line : facts.lines) text(line);
@@ -160,6 +160,13 @@ void draw_selection(ViewState& state, const SelectionFacts& facts, PanelResult& 
     button("hide", hide);
     if (facts.has_residue) button("hide its residue", hide_residue);
     if (facts.has_chain) button("hide its chain", hide_chain);
+    ImGui::NewLine();
+    Rgb& own = state.form.own_color;
+    (void)ImGui::ColorEdit3("##own", &own.x, ImGuiColorEditFlags_NoInputs);
+    ImGui::SameLine();
+    button("colour", color);
+    if (facts.has_residue) button("its residue", color_residue);
+    if (facts.has_chain) button("its chain", color_chain);
   } else if (facts.material) {
     ImGui::SetNextItemWidth(11 * em());
     result.changed |= draw_material_color(state, *facts.material);

@@ -29,7 +29,19 @@ struct PanelFacts {
 };
 
 /// Actions on the selected primitive. Hiding applies to all picked atoms.
-enum class SelectionUse { nothing, focus, inspect, turn, clear, hide, hide_residue, hide_chain };
+enum class SelectionUse {
+  nothing,
+  focus,
+  inspect,
+  turn,
+  clear,
+  hide,
+  hide_residue,
+  hide_chain,
+  color,
+  color_residue,
+  color_chain
+};
 
 /// User input in the panel.
 struct PanelResult {

@@ -94,7 +94,9 @@ std::string Selection::measure(const std::string& unit) const {
 std::vector<std::string> Selection::lines(const Scene& scene, const Box3f& box) const {
   if (empty()) return {};
   const Pick& pick = picks_.back();
-  std::vector<std::string> lines = {pick.what + ", " + trf("material {}", pick.material)};
+  std::vector<std::string> lines = {pick.what};
+  // Atoms have one for each colour.
+  if (!pick.atom) lines[0] += ", " + trf("material {}", pick.material);
   if (!pick.object.empty()) lines.push_back(pick.object);
   if (!pick.in_file.empty()) lines.push_back(pick.in_file);
   const Vec3d place = rounded_place(scene.origin + pick.place, largest_in(box));

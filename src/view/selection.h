@@ -1,6 +1,7 @@
 // Picked primitives: what they are, and distances and angles between them. No window.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -42,6 +43,10 @@ class Selection {
   bool empty() const { return picks_.empty(); }
   const std::vector<Pick>& picks() const { return picks_; }
 
+  bool is_of_atoms() const {
+    return std::ranges::all_of(picks_, [](const Pick& pick) { return pick.atom.has_value(); });
+  }
+
   /// "distance 3.81 Å", or the angle or the dihedral; empty for less than two picks.
   std::string measure(const std::string& unit = {}) const;
   /// The last pick, a fact per line: what it is, its place in the file's coordinates. `box`: of the
@@ -57,7 +62,7 @@ struct SelectionFacts {
   std::vector<std::string> lines;  // empty: nothing is selected
   std::optional<MaterialId> material;
   bool can_focus = false;
-  bool is_atom = false, has_residue = false, has_chain = false;  // that can be hidden
+  bool is_atom = false, has_residue = false, has_chain = false;  // to hide or colour
 };
 
 }  // namespace raio::core::view

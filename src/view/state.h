@@ -51,6 +51,7 @@ struct FigureForm {
   float width_mm = 88;
   int dpi = int(kPrintDpi), samples = 256;
   bool transparent = false;
+  Rgb own_color = {1, 0.5f, 0};  // for selected atoms; display values
   // The text typed last into the field of a reader's option, until the file was read with it, and
   // why it was not.
   std::string option, typed, problem;

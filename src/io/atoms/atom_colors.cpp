@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -75,6 +76,7 @@ std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb 
   if (by == "residue") return out;
   std::vector<bool> known;
   for (const Atom& a : atoms.atoms) {
+    if (a.own_color > 0) continue;
     const size_t n = by == "element" ? a.element : by == "chain" ? a.chain : a.part;
     if (n >= known.size()) known.resize(n + 1);
     known[n] = true;
@@ -88,6 +90,17 @@ std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb 
     else
       out.push_back({name_of_type(atoms, n), color(uint8_t((n - 1) % kDistinctColors))});
   }
+  return out;
+}
+
+// The same for the atoms with colours of their own.
+std::vector<LegendEntry> legend_of_selections(const Atoms& atoms,
+                                              const std::vector<AtomColor>& colors) {
+  std::vector<LegendEntry> out;
+  std::vector<bool> known(colors.size() + 1);
+  for (const Atom& a : atoms.atoms) known[a.own_color] = true;
+  for (size_t c = 0; c < colors.size(); ++c)
+    if (known[c + 1]) out.push_back({colors[c].atoms, colors[c].color});
   return out;
 }
 
@@ -150,14 +163,19 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
       out[i] = *known[n];
     }
     to.legend = legend_of(atoms, by, color);
-    return out;
+  } else if (const auto mapped = map_colors(numbers, options.colormap, options.color_range)) {
+    // Maps have 256 colours, so 256 materials suffice.
+    for (size_t i = 0; i < out.size(); ++i) out[i] = materials.of(mapped->colors[i]);
+    to.colors = mapped->scale;
+    to.colors->name = by;
+  } else {
+    return std::unexpected(mapped.error());
   }
-  // Maps have 256 colours, so 256 materials suffice.
-  const auto mapped = map_colors(numbers, options.colormap, options.color_range);
-  if (!mapped) return std::unexpected(mapped.error());
-  for (size_t i = 0; i < out.size(); ++i) out[i] = materials.of(mapped->colors[i]);
-  to.colors = mapped->scale;
-  to.colors->name = by;
+  for (size_t i = 0; i < out.size(); ++i)
+    if (const uint8_t own = atoms.atoms[i].own_color)
+      out[i] = materials.of(options.color_atoms[own - 1].color);
+  std::ranges::move(legend_of_selections(atoms, options.color_atoms),
+                    std::back_inserter(to.legend));
   return out;
 }
 

@@ -201,8 +201,13 @@ void AtomSite::add_atoms(const Residue& residue, uint32_t chain, uint32_t part, 
       const char first = chosen.emplace(name, row.conformer).first->second;
       if (row.conformer && row.conformer != first) return conformers.add(name_of(residue));
     }
-    out.atoms.push_back({row.place, row.element, chain, part, uint32_t(out.residues.size()),
-                         row.occupancy, row.b_factor});
+    out.atoms.push_back({.place = row.place,
+                         .element = row.element,
+                         .chain = chain,
+                         .part = part,
+                         .residue = uint32_t(out.residues.size()),
+                         .occupancy = row.occupancy,
+                         .b_factor = row.b_factor});
     rows_.push_back(&row);
   });
 }

@@ -20,6 +20,7 @@ namespace raio::core {
 struct Atom {
   std::array<float, 3> place{};  // angstroms
   uint8_t element = 0;           // atomic number; 0: unknown
+  uint8_t own_color = 0;         // of ReadOptions::color_atoms, from 1; 0: none
   uint32_t chain = 0;            // index into Atoms::chains
   uint32_t part = 0;             // what assemblies name, as `chain` where they name chains; or the
                                  // type, from 1, of LAMMPS

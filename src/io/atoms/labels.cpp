@@ -51,6 +51,7 @@ std::string AtomLabels::label(uint32_t atom, std::string_view chain_word) const 
 
 std::string AtomLabels::select(const std::vector<uint32_t>& chosen) const {
   std::vector<uint32_t> all;
+  all.reserve(chosen.size());
   for (const uint32_t atom : chosen) all.push_back(index(atom));
   std::ranges::sort(all);
   all.erase(std::ranges::unique(all).begin(), all.end());
@@ -77,7 +78,7 @@ std::string AtomLabels::select_chain(uint32_t atom) const {
   const std::string* const name = chain(atom);
   if (!name) return {};
   // Those that are no word of a selection.
-  if (name->empty() || name->find_first_of(" \t(),") != std::string::npos)
+  if (name->empty() || name->find_first_of(" \t(),;") != std::string::npos)
     return select_where([&](uint32_t i) { return chains[i] == chains[residues[atom]]; });
   return "chain " + *name;
 }

@@ -338,7 +338,11 @@ void PdbAssembler::add(const std::vector<PdbRow>& rows, bool is_pqr, bool with_s
         end.atom = uint32_t(out_.atoms.size());
     if (row.needs_guess) elements.add(row.element, row.part(row.name), line);
     if (!row.has_numbers) numberless_.add(row.part(row.name), line);
-    Atom atom{row.place, row.element, chain, chain, uint32_t(out_.residues.size() - 1)};
+    Atom atom{.place = row.place,
+              .element = row.element,
+              .chain = chain,
+              .part = chain,
+              .residue = uint32_t(out_.residues.size() - 1)};
     if (is_pqr) {
       charges.push_back(row.occupancy), out_.radii.push_back(row.b_factor);
       if (row.b_factor == 0) radiusless_.add(row.part(row.name), line);

@@ -359,7 +359,8 @@ std::string selection_problem(std::string_view text) {
 
 std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& options,
                                               bool fills) try {
-  const bool asks = !options.only.empty() || !options.hide.empty() || !options.show.empty();
+  const bool asks = !options.only.empty() || !options.hide.empty() || !options.show.empty() ||
+                    !options.color_atoms.empty();
   bool hides_solvent =
       options.hide_solvent && fills && options.only.empty() && !atoms.residues.empty();
   if (atoms.atoms.empty() || !(asks || hides_solvent)) return {};
@@ -386,6 +387,14 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
              solvent = hides_solvent ? chosen("hide", "water, ion") : Mask(n, false);
   if (!options.hide.empty() && std::ranges::count(hide, true) == 0)
     atoms.notices.add_whole(Severity::warning, "`hide` chooses no atom");
+  for (size_t c = 0; c < options.color_atoms.size(); ++c) {
+    const std::string& selection = options.color_atoms[c].atoms;
+    const Mask colored = chosen("color-atoms", selection);
+    for (size_t i = 0; i < n; ++i)
+      if (colored[i]) atoms.atoms[i].own_color = uint8_t(c + 1);
+    if (std::ranges::count(colored, true) == 0)
+      atoms.notices.add(Severity::warning, "selections of `color-atoms` without atoms", selection);
+  }
   Mask kept(n);
   size_t left = 0, unasked = 0;
   for (size_t i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-// Selects the atoms to draw: `only`, `hide` and `show` of ReadOptions.
+// Selects the atoms to draw and to colour: `only`, `hide`, `show` and `color-atoms` of ReadOptions.
 #pragma once
 
 #include <expected>
@@ -23,7 +23,7 @@ std::string selection_problem(std::string_view text);
 /// Whether there are amino acids or nucleotides.
 bool has_polymer(const Atoms& atoms);
 
-/// Removes unselected atoms and their bonds. `fills`: the style is space-filling, in which water
+/// Sets Atom::own_color, and removes unselected atoms and their bonds. `fills`: the style is space-filling, in which water
 /// and ions hide a protein. The error names the option that does not fit the file.
 std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& options, bool fills);
 
