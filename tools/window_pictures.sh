@@ -15,16 +15,17 @@ sleep 1
 open() {
   local seconds=$1
   shift
+  rm -rf "$frames/raio"  # what the window remembers
   "${RAIO-./raio}" view "$@" 2>"$frames/view.log" &
   sleep "$seconds"
   window=$(xdotool search --onlyvisible --name . | tail -1)
 }
 keys() { for key; do xdotool key "$key"; done; }
 shoot() { import -window "$window" -depth 8 -strip "$@"; }
-# Without the bars above and below.
+# The picture of 480x320 between the bars above and below.
 shoot_picture() {
   shoot png:- | convert - -gravity north -chop 0x42 -gravity south -chop 0x29 \
-    -gravity center -crop 3:2 +repage -resize 480x320 "$1"
+    -gravity center -crop 480x320+0+0 +repage "$1"
 }
 close() {
   keys q
@@ -35,7 +36,7 @@ open 5 scenes/shapes.nff --accel grid
 keys i
 xdotool mousemove 505 480 click 1
 sleep 1
-xdotool mousemove 770 142 sleep 0.5 click 1 sleep 1 mousemove 921 403 sleep 0.5 click 1 mousemove 600 700
+xdotool mousemove 831 142 sleep 0.5 click 1 sleep 1 mousemove 977 527 sleep 0.5 click 1 mousemove 600 700
 sleep 8
 shoot "$pictures/view-ray.png"
 close
@@ -46,7 +47,7 @@ sleep 12
 shoot "$pictures/view.png"
 close
 
-open 8 scenes/droplet.dump
+open 8 scenes/droplet.dump --color-by c_pe
 xdotool mousemove 380 380 click 1
 sleep 3
 shoot "$pictures/view-figure.png"
@@ -70,10 +71,10 @@ sleep 5
 shoot_picture "$pictures/view-boxes.png"
 close
 
-open 40 scenes/sphereflake.nff --accel grid
+open 5 scenes/sphereflake.nff --accel grid
 keys n
 sleep 60
-xdotool mousemove 660 700 click --repeat 40 5 mousemove 300 785
+xdotool mousemove 930 600 click --repeat 40 5 mousemove 300 755
 sleep 1
 shoot "$pictures/view-curve.png"
 close
