@@ -23,8 +23,9 @@ std::string selection_problem(std::string_view text);
 /// Whether there are amino acids or nucleotides.
 bool has_polymer(const Atoms& atoms);
 
-/// Sets Atom::own_color, and removes unselected atoms and their bonds. `fills`: the style is space-filling, in which water
-/// and ions hide a protein. The error names the option that does not fit the file.
+/// Sets Atom::own_color, and removes unselected atoms and their bonds. `fills`: the style is
+/// space-filling, in which water and ions hide a protein. The error names the option that does not
+/// fit the file.
 std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& options, bool fills);
 
 }  // namespace raio::core
