@@ -266,6 +266,18 @@ TEST_F(ConvertCommandLine, ReportsLostFeatures) {
   EXPECT_EQ(rendered.status, 0);
 }
 
+TEST_F(ConvertCommandLine, OtherFramesAreReported) {
+  put(file("two.xyz"), "1\n\nC 0 0 0\n1\n\nC 9 0 0\n");
+  const auto said = [&](const std::string& frame) {
+    return raio({"render", "two.xyz", "--frame", frame, "--size", "8x8", "-o", "a.png"}).err;
+  };
+  const auto others = HasSubstr("left out: frames or models after the first (1); --frame selects");
+  EXPECT_THAT(said("0"), others);
+  EXPECT_THAT(said("1"), testing::Not(others));
+  EXPECT_THAT(said("0:2"), testing::Not(others));
+  EXPECT_THAT(raio({"info", "two.xyz"}).err, HasSubstr("frames or models after the first"));
+}
+
 TEST_F(ConvertCommandLine, RefusesUnknownFormats) {
   const Outcome done = raio({"convert", "ok.nff", "ok.obj"});
   EXPECT_EQ(done.status, 2);

@@ -190,10 +190,10 @@ std::expected<ReadScene, Diagnostics> parse_scene(std::string_view bytes, std::s
 }
 
 std::expected<ReadScene, Diagnostics> read_scene(const fs::path& path, const ReadOptions& options) {
-  return SceneFrames(path).read(options);
+  return SceneFrames(path).read_one(options);
 }
 
-std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& options) try {
+std::expected<ReadScene, Diagnostics> SceneFrames::read_one(const ReadOptions& options) try {
   begin_stage(Stage::reading, 0);
   check_stop();
   const bool standard_input = path_ == "-";
@@ -216,7 +216,6 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read(const ReadOptions& optio
     name_ = opened.filename();
   }
   ReadOptions here = options;
-  here.cache = &cache_;
   if (!standard_input) here.folder = opened.parent_path();
   auto read = parse(text_, file, name_, here);
   // For standard input, in the current folder.

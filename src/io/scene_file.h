@@ -29,10 +29,17 @@ std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& pa
 class SceneFrames {
  public:
   explicit SceneFrames(std::filesystem::path path) : path_(std::move(path)) {}
-  /// As read_scene(). The options may differ between calls.
-  std::expected<ReadScene, Diagnostics> read(const ReadOptions& options);
+  /// As read_scene(), without a notice about other frames. The options may differ between calls.
+  std::expected<ReadScene, Diagnostics> read(ReadOptions options) {
+    options.cache = &cache_;
+    return read_one(options);
+  }
 
  private:
+  friend std::expected<ReadScene, Diagnostics> read_scene(const std::filesystem::path& path,
+                                                          const ReadOptions& options);
+  std::expected<ReadScene, Diagnostics> read_one(const ReadOptions& options);
+
   std::filesystem::path path_;
   std::shared_ptr<const TextBuffer> text_;
   std::filesystem::path name_;  // without the suffix of compression
