@@ -47,7 +47,7 @@ std::string other_value(const OptionEntry<Options>& spec) {
                                               : "0.25,0.5";
     case OptionType::text:
       return spec.name == "assembly"      ? "2"
-             : spec.name == "color-atoms" ? "chain A: orange; index 0-3: 0.5,0,1"
+             : spec.name == "color-atoms" ? "chain A: navy; index 0-3: 0.5,0,1"
                                           : "element";
   }
   return {};

@@ -66,10 +66,14 @@ TEST(ReadOptionsTest, ColoursOfAtomsSayWhatIsWrong) {
   EXPECT_THAT(error("chain A"), HasSubstr("a colon and a colour, as in"));
   EXPECT_THAT(error("chian A: red"), HasSubstr("'chian A', column 1: expected water"));
   EXPECT_THAT(error("chain A: redd"), HasSubstr("did you mean red?"));
-  EXPECT_THAT(error("chain A: transparent"), HasSubstr("expected a colour, found 'transparent'"));
+  EXPECT_THAT(error("chain A: transparent"),
+              HasSubstr("#rrggbb, or three numbers from 0 to 1 as in 0.1,0.2,0.4, found 'transp"));
+  EXPECT_THAT(error("chain A: 255,0,0"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(error(" ; "), HasSubstr("expected a selection, a colon and a colour"));
+  EXPECT_LT(error("index 1 " + std::string(9000, 'x')).size(), 200u);
   std::string many;
   for (size_t i = 0; i <= kMaxAtomColors; ++i) many += "all: red;";
-  EXPECT_THAT(error(many), HasSubstr("at most 255 colours"));
+  EXPECT_THAT(error(many), HasSubstr("at most 255 selections"));
   EXPECT_EQ(spec.text(options), "chain A: red; index 1: #f80") << "errors change nothing";
 }
 

@@ -216,12 +216,39 @@ TEST(Select, ColoursOfSelectionsReplaceOthers) {
   ASSERT_TRUE(mapped && mapped->colors);
   EXPECT_EQ(mapped->scene.materials[mapped->scene.sphere_materials[1]].color, red);
   EXPECT_EQ(mapped->legend.size(), 1u);
-  EXPECT_THAT(notices(read(pdb(), "a.pdb", {.color_atoms = {{"index 50", red, "red"}}})),
-              HasSubstr("selections of color-atoms without atoms"));
+  // Those without atoms, those of hidden ones, and those that later ones replace.
+  EXPECT_THAT(notices(read(pdb(), "a.pdb",
+                           {.color_atoms = {{"index 50", red, "red"},
+                                            {"index 0", red, "red"},
+                                            {"index 1", red, "red"},
+                                            {"index 1-2", blue, "blue"}},
+                            .hide = "index 0"})),
+              HasSubstr("selections of color-atoms that colour no atom (3: index 50, index 0, "));
+  const auto all = read(pdb(), "a.pdb",
+                        {.color_by = "index", .color_atoms = {{"all", red, std::string(99, 'x')}}});
+  EXPECT_FALSE(all->colors) << "no atom has a colour of the scale";
+  EXPECT_EQ(all->scene.materials.size(), 1u);
   EXPECT_THAT(error(kWater, "a.xyz", {.color_atoms = {{"chain A", red, "red"}}}),
               HasSubstr("color-atoms needs chains"));
   EXPECT_THAT(error(kMesh, "a.ply", {.color_atoms = {{"all", red, "red"}}}),
               HasSubstr("color-atoms has no effect"));
+}
+
+TEST(Select, TheCameraDoesNotDependOnColours) {
+  const auto camera = [](const ReadOptions& options) {
+    const auto got = read("5\n\nC 0 0 0\nC 1.4 0.3 0\nC 2.5 -0.5 0.6\nC 3.6 0.5 0.2\nC 4.9 0 1\n",
+                          "a.xyz", options);
+    EXPECT_GE(got->scene.cones.size(), 4u);
+    return got->scene.camera;
+  };
+  const Camera usual = camera({.style = AtomStyle::sticks});
+  for (const char* atoms : {"index 0-1", "index 2-3", "all"}) {
+    const Camera other =
+        camera({.style = AtomStyle::sticks, .color_atoms = {{atoms, Rgb(1, 0, 0), "red"}}});
+    EXPECT_EQ(other.from, usual.from) << atoms;
+    EXPECT_EQ(other.up, usual.up) << atoms;
+  }
+  EXPECT_EQ(camera({.style = AtomStyle::sticks, .color_by = "index"}).from, usual.from);
 }
 
 TEST(Select, MissingProperties) {
@@ -246,8 +273,8 @@ TEST(Select, InvalidSelections) {
   EXPECT_THAT(selection_problem("watr"), HasSubstr("column 1: expected water"));
   EXPECT_THAT(selection_problem("watr"), HasSubstr("found 'watr'"));
   EXPECT_EQ(selection_problem("water ion"),
-            "column 7: expected `and`, `or` or the end, found 'ion'");
-  EXPECT_EQ(selection_problem("(water"), "column 7: expected `)`, found the end");
+            "column 7: expected 'and', 'or' or the end, found 'ion'");
+  EXPECT_EQ(selection_problem("(water"), "column 7: expected ')', found the end");
   EXPECT_EQ(selection_problem("chain"), "column 6: expected a value, found the end");
   EXPECT_EQ(selection_problem("element Xx"),
             "column 9: expected the symbol of an element, found 'Xx'");

@@ -1,4 +1,5 @@
-// Words in texts: trims them, and suggests the intended one in messages about unknown words.
+// Words in texts: trims and cuts them, and suggests the intended one in messages about unknown
+// words.
 #pragma once
 
 #include <algorithm>
@@ -16,6 +17,14 @@ inline std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlanks = " \t\r\n\v\f";
   const size_t first = std::min(text.find_first_not_of(kBlanks), text.size());
   return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
+/// The text, or of one with more than `most` bytes the beginning and dots.
+inline std::string cut_text(std::string_view text, size_t most) {
+  if (text.size() <= most) return std::string(text);
+  size_t end = most - 3;
+  while (end > 0 && (text[end] & 0xc0) == 0x80) --end;  // not within a letter of UTF-8
+  return std::string(text.substr(0, end)) + "...";
 }
 
 /// Edit distance (Levenshtein 1966), computed row by row.

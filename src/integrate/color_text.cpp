@@ -16,8 +16,6 @@
 namespace raio::core {
 namespace {
 
-constexpr double kBrightestColor = 1e6;
-
 // The values of CSS, where "green" is half as bright as "lime".
 constexpr std::array<std::pair<std::string_view, uint32_t>, 24> kNames = {{
     {"black", 0x000000},   {"silver", 0xc0c0c0},  {"gray", 0x808080},    {"grey", 0x808080},
@@ -43,21 +41,22 @@ std::optional<Rgb> parse_digits(std::string_view digits) {
   return rgb_of(((bits & 0xf00) << 8 | (bits & 0xf0) << 4 | (bits & 0xf)) * 0x11);
 }
 
-std::optional<Rgb> parse_numbers(std::string_view text) {
+std::optional<Rgb> parse_numbers(std::string_view text, double brightest) {
   Rgb color;
   for (int c = 0; c < 3; ++c) {
     const size_t size = std::min(c < 2 ? text.find(',') : text.size(), text.size());
     const auto [end, error] = std::from_chars(text.data(), text.data() + size, color[c]);
     if (error != std::errc() || end != text.data() + size) return std::nullopt;
-    if (!(color[c] >= 0 && double(color[c]) <= kBrightestColor)) return std::nullopt;
+    if (!(color[c] >= 0 && double(color[c]) <= brightest)) return std::nullopt;
     if (c < 2 && size == text.size()) return std::nullopt;
     text.remove_prefix(std::min(size + 1, text.size()));
   }
   return color;
 }
 
-std::string suggestion(std::string_view word) {
-  std::vector<std::string_view> names = {"transparent"};
+std::string suggestion(std::string_view word, bool transparent) {
+  std::vector<std::string_view> names;
+  if (transparent) names.push_back("transparent");
   for (const auto& [name, bits] : kNames) names.push_back(name);
   const std::string_view nearest = nearest_word(word, names);
   return nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest);
@@ -65,19 +64,21 @@ std::string suggestion(std::string_view word) {
 
 }  // namespace
 
-std::expected<WrittenColor, std::string> parse_color(std::string_view text) {
+std::expected<WrittenColor, std::string> parse_color(std::string_view text,
+                                                     const ColorLimits& limits) {
   std::string word(text);
   for (char& c : word) c = char(std::tolower(static_cast<unsigned char>(c)));
-  if (word == "transparent") return WrittenColor{{}, true, true};
+  if (word == "transparent" && limits.transparent) return WrittenColor{{}, true, true};
   const auto named = std::ranges::find(kNames, word, [](const auto& name) { return name.first; });
   if (named != kNames.end()) return WrittenColor{rgb_of(named->second), false, true};
-  const auto color =
-      word.starts_with('#') ? parse_digits(std::string_view(word).substr(1)) : parse_numbers(word);
+  const auto color = word.starts_with('#') ? parse_digits(std::string_view(word).substr(1))
+                                           : parse_numbers(word, limits.brightest);
   if (color) return WrittenColor{*color, false, word.starts_with('#')};
   return std::unexpected(fmt::format(
-      "expected a colour: a name as in white, #rrggbb, three numbers from 0 as in 0.1,0.2,0.4, or "
-      "transparent, found '{}'{}",
-      text, suggestion(word)));
+      "expected a colour: a name as in white, #rrggbb, {}three numbers from 0{} as in "
+      "0.1,0.2,0.4{}, found '{}'{}",
+      limits.transparent ? "" : "or ", limits.brightest == 1 ? " to 1" : "",
+      limits.transparent ? ", or transparent" : "", text, suggestion(word, limits.transparent)));
 }
 
 }  // namespace raio::core

@@ -24,9 +24,15 @@ struct WrittenColor {
   friend bool operator==(const WrittenColor&, const WrittenColor&) = default;
 };
 
-/// Parses "white", "#ff8800", "#f80", "0.1,0.2,0.4" (numbers from 0 to 1e6) or "transparent". The
-/// names are the sixteen of HTML 4 and a few more, in any case. The error is one line: what was
-/// expected and what was found.
-std::expected<WrittenColor, std::string> parse_color(std::string_view text);
+/// The colours that a text may have.
+struct ColorLimits {
+  bool transparent = true;
+  double brightest = 1e6;  // of three numbers
+};
+
+/// Parses "white", "#ff8800", "#f80", "0.1,0.2,0.4" or "transparent". The names are the sixteen of
+/// HTML 4 and a few more, in any case. The error is one line: what was expected and what was found.
+std::expected<WrittenColor, std::string> parse_color(std::string_view text,
+                                                     const ColorLimits& limits = {});
 
 }  // namespace raio::core

@@ -55,26 +55,28 @@ std::string assembly_text(const ReadOptions& o, const ReadOptionSpec& spec) {
 }
 
 ReadSet set_color_atoms(ReadOptions& o, const ReadOptionSpec&, std::string_view text) {
+  constexpr size_t kLongest = 60;  // of what a message repeats
   std::vector<AtomColor> colors;
   for (const auto part : std::views::split(text, ';')) {
     const std::string_view entry = trimmed({part.begin(), part.end()});
     if (entry.empty()) continue;
     const size_t colon = entry.rfind(':');
     if (colon == std::string_view::npos)
-      return expected_but("a selection, a colon and a colour, as in \"chain A: orange\"", entry);
+      return expected_but("a selection, a colon and a colour, as in \"chain A: navy\"",
+                          cut_text(entry, kLongest));
     const std::string_view atoms = trimmed(entry.substr(0, colon)),
                            written = trimmed(entry.substr(colon + 1));
     if (auto why = selection_problem(atoms); !why.empty())
-      return std::unexpected(fmt::format("'{}', {}", atoms, why));
-    const auto color = parse_color(written);
+      return std::unexpected(fmt::format("'{}', {}", cut_text(atoms, kLongest), why));
+    const auto color = parse_color(written, {.transparent = false, .brightest = 1});
     if (!color) return std::unexpected(color.error());
-    if (color->transparent) return expected_but("a colour", written);
     if (colors.size() == kMaxAtomColors)
-      return std::unexpected(fmt::format("expected at most {} colours", kMaxAtomColors));
+      return std::unexpected(fmt::format("expected at most {} selections", kMaxAtomColors));
     colors.push_back({std::string(atoms),
                       color->encoded ? linear_from_srgb(color->color) : color->color,
                       std::string(written)});
   }
+  if (colors.empty()) return expected_but("a selection, a colon and a colour", text);
   return o.color_atoms = std::move(colors), ReadSet();
 }
 
@@ -104,7 +106,7 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
                                     kColorRange.reset},
            usual("the smallest and the largest")),
     option(figures, "color-atoms", "SEL:COLOR;...",
-           "Colour these atoms, whatever `color-by` says, as in \"chain A: orange; ligand: "
+           "Colour these atoms, whatever `color-by` says, as in \"chain A: navy; ligand: "
            "#c02020\"; the last one counts",
            OptionValue<ReadOptions>{OptionType::text, set_color_atoms, color_atoms_text,
                                     [](ReadOptions& o) { o.color_atoms.clear(); }}),

@@ -196,7 +196,7 @@ class FigurePanel {
           !has.atoms                     ? std::string(tr("the file's colours"))
           : facts_.read.color_by.empty() ? trf("automatic: {}", has.color_by)
                                          : std::string(tr("automatic")));
-    if (has.atoms) field("colours of", "color-atoms", tr("for example chain A: orange"));
+    if (has.atoms) field("colours of", "color-atoms", tr("for example chain A: navy"));
     const auto& scale = state_.file->colors;
     if (!has.atoms && !state_.scene->spheres.empty()) draw_radius();
     if (!scale) return;

@@ -358,7 +358,7 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"its residue", "seu resíduo"},
     {"its chain", "sua cadeia"},
     {"colours of", "cores de"},
-    {"for example chain A: orange", "por exemplo chain A: orange"},
+    {"for example chain A: navy", "por exemplo chain A: navy"},
     {"the material's colour", "a cor do material"},
     {"nothing is selected", "nada está selecionado"},
     {"turns as before", "gira como antes"},

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <map>
 #include <optional>
 
+#include "base/spelling.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/lines.h"
 #include "io/colormaps.h"
@@ -93,17 +93,6 @@ std::vector<LegendEntry> legend_of(const Atoms& atoms, std::string_view by, Rgb 
   return out;
 }
 
-// The same for the atoms with colours of their own.
-std::vector<LegendEntry> legend_of_selections(const Atoms& atoms,
-                                              const std::vector<AtomColor>& colors) {
-  std::vector<LegendEntry> out;
-  std::vector<bool> known(colors.size() + 1);
-  for (const Atom& a : atoms.atoms) known[a.own_color] = true;
-  for (size_t c = 0; c < colors.size(); ++c)
-    if (known[c + 1]) out.push_back({colors[c].atoms, colors[c].color});
-  return out;
-}
-
 class Materials {
  public:
   explicit Materials(Scene& scene) : scene_(scene) {}
@@ -118,6 +107,21 @@ class Materials {
   Scene& scene_;
   std::map<std::array<float, 3>, MaterialId> known_;
 };
+
+// Gives materials to the atoms with colours of their own, and lists these in the legend.
+void color_selections(const Atoms& atoms, const std::vector<AtomColor>& colors,
+                      Materials& materials, std::vector<MaterialId>& out, ReadScene& to) {
+  constexpr size_t kLongestName = 40;  // that a legend has room for
+  std::vector<std::optional<MaterialId>> known(colors.size());
+  for (size_t i = 0; i < out.size(); ++i) {
+    const size_t own = atoms.atoms[i].own_color;
+    if (own == 0) continue;
+    if (!known[own - 1]) known[own - 1] = materials.of(colors[own - 1].color);
+    out[i] = *known[own - 1];
+  }
+  for (size_t c = 0; c < colors.size(); ++c)
+    if (known[c]) to.legend.push_back({cut_text(colors[c].atoms, kLongestName), colors[c].color});
+}
 
 }  // namespace
 
@@ -155,9 +159,12 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
                     by));
   Materials materials(to.scene);
   std::vector<MaterialId> out(atoms.atoms.size());
+  const bool any_own = !options.color_atoms.empty();
+  const auto has_own = [&](const Atom& a) { return any_own && a.own_color > 0; };
   if (which) {
     std::array<std::optional<MaterialId>, 256> known;
     for (size_t i = 0; i < out.size(); ++i) {
+      if (has_own(atoms.atoms[i])) continue;
       const uint8_t n = which(atoms.atoms[i]);
       if (!known[n]) known[n] = materials.of(color(n));
       out[i] = *known[n];
@@ -165,17 +172,16 @@ std::expected<std::vector<MaterialId>, std::string> color_atoms(const Atoms& ato
     to.legend = legend_of(atoms, by, color);
   } else if (const auto mapped = map_colors(numbers, options.colormap, options.color_range)) {
     // Maps have 256 colours, so 256 materials suffice.
-    for (size_t i = 0; i < out.size(); ++i) out[i] = materials.of(mapped->colors[i]);
-    to.colors = mapped->scale;
-    to.colors->name = by;
+    bool any = false;
+    for (size_t i = 0; i < out.size(); ++i) {
+      if (has_own(atoms.atoms[i])) continue;
+      out[i] = materials.of(mapped->colors[i]), any = true;
+    }
+    if (any) to.colors = mapped->scale, to.colors->name = by;
   } else {
     return std::unexpected(mapped.error());
   }
-  for (size_t i = 0; i < out.size(); ++i)
-    if (const uint8_t own = atoms.atoms[i].own_color)
-      out[i] = materials.of(options.color_atoms[own - 1].color);
-  std::ranges::move(legend_of_selections(atoms, options.color_atoms),
-                    std::back_inserter(to.legend));
+  if (any_own) color_selections(atoms, options.color_atoms, materials, out, to);
   return out;
 }
 

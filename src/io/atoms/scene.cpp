@@ -471,6 +471,16 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
   if (completes) complete_border(atoms, options.images);
   auto read =
       AtomScene(atoms, file, options, style, repeats ? std::vector{Vec3d()} : shifts).make();
+  // A bond between two colours is two cylinders, for which the camera would be another one.
+  const bool has_colors = !options.color_by.empty() || !options.color_atoms.empty();
+  if (read && has_colors && has_bonds(read->choices.style)) {
+    ReadOptions usual = options;
+    usual.color_by.clear(), usual.colormap.clear(), usual.color_range.reset();
+    usual.color_atoms.clear(), usual.labels = false;
+    const auto plain =
+        AtomScene(atoms, file, usual, style, repeats ? std::vector{Vec3d()} : shifts).make();
+    if (plain) read->scene.camera = plain->scene.camera;
+  }
   constexpr double kFine = 0.01;  // much shorter than a bond
   if (const double step = float_step(double(farthest)); read && step > kFine)
     read->notices.push_back({Severity::cut, std::string(file), 0, 0,

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "base/spelling.h"
 #include "io/atoms/atoms.h"
 #include "io/atoms/colors.h"
 #include "io/atoms/element_names.h"
@@ -67,13 +68,14 @@ class Parser {
 
   std::expected<std::vector<Step>, Problem> parse() try {
     either(0);
-    if (!word_.empty()) fail("expected `and`, `or` or the end");
+    if (!word_.empty()) fail("expected 'and', 'or' or the end");
     return std::move(steps_);
   } catch (const Problem& problem) {
     return std::unexpected(problem);
   }
 
  private:
+  static constexpr std::string_view kBlanks = " \t\r\n", kMarks = "(),";
   static constexpr int kDeepest = 100;  // parentheses and `not`
 
   [[noreturn]] void fail(std::string_view expected) const {
@@ -83,13 +85,15 @@ class Parser {
 
   // Advances to the next token: a parenthesis, a comma or a word.
   void next() {
-    at_ = std::min(text_.find_first_not_of(" \t", at_ + word_.size()), text_.size());
+    at_ = std::min(text_.find_first_not_of(kBlanks, at_ + word_.size()), text_.size());
     size_t size = 0;
-    constexpr std::string_view kMarks = "(),";
-    if (at_ < text_.size() && kMarks.contains(text_[at_]))
+    if (at_ < text_.size() && kMarks.contains(text_[at_])) {
       size = 1;
-    else
-      size = std::min(text_.find_first_of(" \t(),", at_), text_.size()) - at_;
+    } else {
+      const size_t end =
+          std::min(text_.find_first_of(kBlanks, at_), text_.find_first_of(kMarks, at_));
+      size = std::min(end, text_.size()) - at_;
+    }
     word_ = text_.substr(at_, size);
   }
   bool take(std::string_view word) {
@@ -107,13 +111,13 @@ class Parser {
     while (take("and")) one(depth), steps_.push_back({Step::Op::both, {}});
   }
   void one(int depth) {
-    if (depth > kDeepest) fail("expected fewer parentheses and `not`");
+    if (depth > kDeepest) fail("expected fewer parentheses and 'not'");
     if (take("not")) {
       one(depth + 1);
       steps_.push_back({Step::Op::negate, {}});
     } else if (take("(")) {
       either(depth + 1);
-      if (!take(")")) fail("expected `)`");
+      if (!take(")")) fail("expected ')'");
     } else {
       term();
     }
@@ -388,12 +392,9 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
   if (!options.hide.empty() && std::ranges::count(hide, true) == 0)
     atoms.notices.add_whole(Severity::warning, "`hide` chooses no atom");
   for (size_t c = 0; c < options.color_atoms.size(); ++c) {
-    const std::string& selection = options.color_atoms[c].atoms;
-    const Mask colored = chosen("color-atoms", selection);
+    const Mask colored = chosen("color-atoms", options.color_atoms[c].atoms);
     for (size_t i = 0; i < n; ++i)
       if (colored[i]) atoms.atoms[i].own_color = uint8_t(c + 1);
-    if (std::ranges::count(colored, true) == 0)
-      atoms.notices.add(Severity::warning, "selections of `color-atoms` without atoms", selection);
   }
   Mask kept(n);
   size_t left = 0, unasked = 0;
@@ -402,6 +403,13 @@ std::expected<void, std::string> select_atoms(Atoms& atoms, const ReadOptions& o
     left += kept[i];
     unasked += solvent[i] && !kept[i] && !hide[i];
   }
+  Mask has_color(options.color_atoms.size() + 1);
+  for (size_t i = 0; i < n; ++i)
+    if (kept[i]) has_color[atoms.atoms[i].own_color] = true;
+  for (size_t c = 0; c < options.color_atoms.size(); ++c)
+    if (constexpr size_t kLongest = 60; !has_color[c + 1])
+      atoms.notices.add(Severity::warning, "selections of `color-atoms` that colour no atom",
+                        cut_text(options.color_atoms[c].atoms, kLongest));
   if (left == 0) return std::unexpected("`only` and `hide` leave no atom");
   if (unasked > 0)
     atoms.notices.add(Severity::left_out,
