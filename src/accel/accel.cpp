@@ -51,8 +51,8 @@ std::optional<std::string> Accel::add_instances(std::unique_ptr<const Instances>
   return geometry_.add_objects(instances_->objects());
 }
 
-std::unique_ptr<Accel> Accel::shared_with(Geometry&& geometry) const {
-  auto accel = share(std::move(geometry));
+std::unique_ptr<Accel> Accel::shared_with(Geometry& geometry) const {
+  auto accel = share(geometry);
   if (accel) accel->transparent_ = transparent_;
   return accel;
 }
@@ -86,8 +86,7 @@ std::expected<std::unique_ptr<Accel>, Error> build_object(const Scene& scene, co
                           bytes * 1e-9, available.text())});
   Geometry geometry(scene, object, one_sided, with_sources, options.opacity);
   AccelResult accel;
-  if (like && geometry.traces_like(like->geometry()))
-    accel = like->shared_with(std::move(geometry));
+  if (like && geometry.traces_like(like->geometry())) accel = like->shared_with(geometry);
   if (!*accel) {
     accel = make_accel(std::move(geometry), options);
     if (!accel) return std::unexpected(Error{ErrorKind::no_resource, "", std::move(accel.error())});

@@ -221,9 +221,9 @@ class Accel {
 
   AccelInfo info() const;
 
-  /// The same structure, without instances, for a geometry with traces_like(geometry()). Null,
-  /// without moving from it, if this structure cannot be shared.
-  std::unique_ptr<Accel> shared_with(Geometry&& geometry) const;
+  /// The same structure, without instances, for a geometry with traces_like(geometry()), which it
+  /// moves from. Null, and the geometry stays, if this structure cannot be shared.
+  std::unique_ptr<Accel> shared_with(Geometry& geometry) const;
   /// Equal for those that share a structure.
   virtual const void* structure() const { return this; }
 
@@ -240,7 +240,7 @@ class Accel {
   virtual void find_closest(const RayBatch& rays, HitBatch& hits, TraceContext& context) const = 0;
   virtual void find_any(const RayBatch& rays, uint8_t* hit, TraceContext& context) const = 0;
   virtual AccelInfo describe() const = 0;
-  virtual std::unique_ptr<Accel> share(Geometry&&) const { return nullptr; }
+  virtual std::unique_ptr<Accel> share(Geometry&) const { return nullptr; }
 
   void try_all_transparent(const RayBatch& rays, const HitBatch& after, HitBatch& hits,
                            TraceContext& context, const uint32_t* keys) const;

@@ -45,7 +45,7 @@ class BvhAccel final : public Accel {
             .oversized = geometry_.count(PrimitiveKind::plane)};
   }
   const void* structure() const override { return &bvh_; }
-  std::unique_ptr<Accel> share(Geometry&& geometry) const override {
+  std::unique_ptr<Accel> share(Geometry& geometry) const override {
     return std::make_unique<BvhAccel>(std::move(geometry), shared_);
   }
 
