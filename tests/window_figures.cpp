@@ -22,6 +22,13 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 constexpr int kStarts = 9, kKeys = 50;
 constexpr double kOrbitSeconds = 4, kMoveSeconds = 0.008;  // as often as a mouse tells
 
+// For what the window remembers.
+std::string state_folder() {
+  const auto folder = std::filesystem::temp_directory_path() / "raio-window-figures";
+  std::filesystem::create_directories(folder);
+  return folder.string();
+}
+
 double median(std::vector<double> v) {
   std::ranges::sort(v);
   return v[v.size() / 2];
@@ -31,7 +38,7 @@ double median(std::vector<double> v) {
 double first_picture_ms(const raio::core::Display& display,
                         const std::vector<std::string>& arguments) {
   const auto start = Clock::now();
-  raio::core::WindowDriver window(display, arguments, ".");
+  raio::core::WindowDriver window(display, arguments, state_folder());
   const auto picture = window.wait_for("picture: ", 0);
   window.key(XK_q);
   return picture ? Milliseconds(picture->time - start).count() : NAN;
@@ -103,7 +110,7 @@ int main(int argc, char** argv) {
     for (int k = 0; k < kStarts; ++k) starts.push_back(first_picture_ms(display, arguments));
     fmt::print("  first picture: {:.0f} ms (median of {}; worst {:.0f})\n", median(starts), kStarts,
                std::ranges::max(starts));
-    raio::core::WindowDriver window(display, arguments, ".");
+    raio::core::WindowDriver window(display, arguments, state_folder());
     orbit(window, kSide, kSide);
     // Figures have views, but no effects.
     const std::string suffix = std::filesystem::path(argv[i]).extension();
