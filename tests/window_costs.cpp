@@ -103,12 +103,13 @@ double render_s(const std::string& arguments) {
 /// The programs of the command line on one picture. Ratios gather in it, a value a round.
 class CommandLine {
  public:
-  CommandLine(const std::string& scene, const std::string& size)
-      : scene_(in_quotes(scene) + " --size " + size) {}
+  CommandLine(const std::string& scene, const std::string& size, std::string accel)
+      : scene_(in_quotes(scene) + " --size " + size), accel_(std::move(accel)) {}
 
   void measure_effects() {
     for (const Row& row : kRows)
-      bench(row.name, fmt::format("--accel bvh --effects {} --repeat {}", row.word, kRounds), 1, 0);
+      bench(row.name, fmt::format("--accel {} --effects {} --repeat {}", accel_, row.word, kRounds),
+            1, 0);
     const Json stats = stats_of(scene_ + " --samples 1");
     for (const std::string name : {"reflection", "refraction"}) {
       if (!stats.is_object() || stats["rays"][name] == 0) continue;
@@ -120,9 +121,10 @@ class CommandLine {
       }
     }
   }
-  /// How many times as fast the tree is.
+  /// How many times as fast the structure is.
   void measure_structure() {
-    bench("structure", fmt::format("--accel none,bvh --effects none --repeat {}", kRounds), 0, 1);
+    bench("structure", fmt::format("--accel none,{} --effects none --repeat {}", accel_, kRounds),
+          0, 1);
   }
 
   std::optional<MedianInterval> factor(const std::string& name) const {
@@ -143,10 +145,12 @@ class CommandLine {
     for (size_t i = 0; i < with.size(); ++i) ratios_[name].push_back(with[i] / without[i]);
   }
   double plain(const std::string& options) const {
-    return render_s(fmt::format("{} --samples {}{}", scene_, kSamples, options)) / kSamples;
+    return render_s(
+               fmt::format("{} --accel {} --samples {}{}", scene_, accel_, kSamples, options)) /
+           kSamples;
   }
 
-  std::string scene_;
+  std::string scene_, accel_;
   std::map<std::string, std::vector<double>> ratios_;
 };
 
@@ -191,8 +195,8 @@ double seconds_of(const std::string& number, const std::string& unit) {
 
 class Trial {
  public:
-  Trial(const raio::core::Display& display, std::string scene)
-      : display_(display), scene_(std::move(scene)) {}
+  Trial(const raio::core::Display& display, std::string scene, std::string accel)
+      : display_(display), scene_(std::move(scene)), accel_(std::move(accel)) {}
 
   /// Once more. Whether the window lived through it.
   bool run(int number) {
@@ -201,7 +205,8 @@ class Trial {
     std::ofstream(folder / "state/raio/window")
         << "section What each effect costs\ncosts as reported\n";
     // Some scenes ask for antialiasing, which the benchmark's rows of other effects do not have.
-    raio::core::WindowDriver window(display_, {scene_, "--aa", "1"}, folder.string());
+    raio::core::WindowDriver window(display_, {scene_, "--aa", "1", "--accel", accel_},
+                                    folder.string());
     size_t from = window.mark();
     window.resize(820 + 8 * number, 800);
     const auto size = window.wait_for("size: ([0-9x]+)", from);
@@ -209,7 +214,7 @@ class Trial {
     // It measures at rest; until then the benchmark has the machine.
     window.key(XK_space);
     (void)window.picture(from);
-    CommandLine commands(scene_, size->groups[1]);
+    CommandLine commands(scene_, size->groups[1], accel_);
     commands.measure_effects();
     from = window.mark();
     for (const unsigned long key : {XK_space, XK_d, XK_d}) {
@@ -233,7 +238,7 @@ class Trial {
       at = line->next;
     }
     window.key(XK_space);
-    return press_keys(window, number);
+    return accel_ != "bvh" || press_keys(window, number);
   }
 
   /// Whether all figures are true.
@@ -309,7 +314,7 @@ class Trial {
   }
 
   const raio::core::Display& display_;
-  std::string scene_;
+  std::string scene_, accel_;
   std::map<std::string, Tally> effects_, keys_;
   std::map<std::string, int> absent_;
   std::vector<std::string> wrong_;
@@ -322,17 +327,18 @@ class Trial {
 int main(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
   const bool busy = std::erase(arguments, "--busy") > 0;
+  const bool grid = std::erase(arguments, "--grid") > 0;
   int times = 0;
   if (arguments.size() == 2)
     std::from_chars(arguments[1].data(), arguments[1].data() + arguments[1].size(), times);
   if (times < 1) {
-    fmt::print(stderr, "usage: raio_window_costs SCENE.nff TIMES [--busy]\n");
+    fmt::print(stderr, "usage: raio_window_costs SCENE.nff TIMES [--grid] [--busy]\n");
     return 2;
   }
   const raio::core::Display display;
   std::optional<Busy> other;
   if (busy) other.emplace();
-  Trial trial(display, std::filesystem::absolute(arguments[0]).string());
+  Trial trial(display, std::filesystem::absolute(arguments[0]).string(), grid ? "grid" : "bvh");
   for (int i = 0; i < times; ++i) {
     if (!trial.run(i)) return 1;
     fmt::print(stderr, "{} of {}\n", i + 1, times);
