@@ -217,7 +217,7 @@ class Geometry {
   static double bytes_to_bake(const Scene& scene, const Object& object);
 
   /// Whether a structure of the other is valid for this one, too: both have the same primitives,
-  /// visible sides and optical depths. Colours and materials may differ, instances are not
+  /// visible sides and optical depths. Colours and materials may differ; instances are not
   /// compared.
   bool traces_like(const Geometry& other) const;
 

@@ -337,7 +337,7 @@ void Session::refine(SessionPicture& next) {
   }
 }
 
-// Renders up to so many samples per pixel. Returns the seconds, or nothing if it was stopped.
+// Renders until each pixel has `samples` samples. Returns the time in seconds; nothing if stopped.
 std::optional<double> Session::render_to(Film& film, int samples, const SessionPicture& next) {
   const BakedScene& baked = *next.baked;
   const RenderResult done = render(*baked.scene, *baked.accel, next.settings, film, control_,

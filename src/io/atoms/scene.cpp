@@ -471,7 +471,8 @@ std::expected<ReadScene, Diagnostics> scene_of_atoms(Atoms atoms, std::string_vi
   if (completes) complete_border(atoms, options.images);
   auto read =
       AtomScene(atoms, file, options, style, repeats ? std::vector{Vec3d()} : shifts).make();
-  // A bond between two colours is two cylinders, for which the camera would be another one.
+  // A bond between two colours is two cylinders, which would change the fitted camera. So the
+  // camera is fitted with the default colours.
   const bool has_colors = !options.color_by.empty() || !options.color_atoms.empty();
   if (read && has_colors && has_bonds(read->choices.style)) {
     ReadOptions usual = options;
