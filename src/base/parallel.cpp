@@ -21,7 +21,12 @@ Ticker::Ticker(double interval_s, std::function<void()> work)
         std::mutex mutex;
         std::condition_variable_any wake;
         std::unique_lock lock(mutex);
-        while (!wake.wait_for(lock, done, interval, [&] { return done.stop_requested(); })) work();
+        for (;;) {
+          // Its result does not tell: libstdc++ may return false for a stop.
+          wake.wait_for(lock, done, interval, [&] { return done.stop_requested(); });
+          if (done.stop_requested()) return;
+          work();
+        }
       }) {}
 
 #endif
