@@ -210,9 +210,11 @@ void Accel::closest(const Column<float, 3>& origins, const Column<float, 3>& dir
                   data_->accel->closest_of_all(scratch.rays, scratch.hits, context);
                   for (size_t i = 0; i < n; ++i) {
                     const size_t to = first + i;
-                    if (hits.distance) hits.distance[to] = scratch.hits[i].t;
+                    const core::Hit nearest = scratch.hits[i];
+                    if (hits.distance)
+                      hits.distance[to] = nearest.found() ? nearest.t : float(INFINITY);
                     if (only_distance) continue;
-                    const Hit hit = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
+                    const Hit hit = hit_of(*data_, scratch.rays[i], nearest);
                     const bool found = hit.found();
                     if (hits.kind) hits.kind[to] = uint8_t(hit.kind);
                     if (hits.index) hits.index[to] = found ? int64_t(hit.index) : -1;
