@@ -299,14 +299,14 @@ def _trimesh_scene(source: Any, smooth: bool | None, radius: float | None) -> Sc
 
 def _add_trimesh(scene: Scene, mesh: Any, smooth: bool | None, radius: float | None) -> None:
     if hasattr(mesh, "entities"):
-        length = radius or 0.002 * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+        width = radius or 0.002 * float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
         colors = getattr(mesh, "colors", None)
         for k, entity in enumerate(mesh.entities):
             path = np.asarray(entity.discrete(mesh.vertices))
             path = np.pad(path, ((0, 0), (0, 3 - path.shape[1])))
             color = None if colors is None or colors[k] is None else tuple(
                 linear(np.asarray(colors[k], np.uint8)[:3]).tolist())
-            scene.lines(path, length, colors=color or "black")
+            scene.lines(path, width, colors=color or "black")
         return
     if not hasattr(mesh, "faces"):
         if not hasattr(mesh, "vertices"):
@@ -351,22 +351,19 @@ def _rgba(colors: Array, by_face: bool) -> dict[str, Any]:
 def _texture(visual: Any) -> dict[str, Any]:
     material = visual.material
     image = getattr(material, "image", None) or getattr(material, "baseColorTexture", None)
-    factor = getattr(material, "baseColorFactor", None)  # light, unlike the colours of other materials
-    if factor is None and image is None:
-        factor = getattr(material, "diffuse", None)
-        light = linear(np.asarray(factor, np.uint8)[:3]) if factor is not None else None
-    elif factor is not None:
-        numbers = np.asarray(factor)
-        light = numbers[:3] / (255 if numbers.dtype == np.uint8 else 1)
-    else:
-        light = None
+    look: dict[str, Any] = {}
+    factor = getattr(material, "baseColorFactor", None)
+    if factor is not None:  # light, unlike the colours of other materials
+        rgba = np.asarray(factor)
+        rgba = rgba / 255 if rgba.dtype == np.uint8 else rgba
+        look["colors"] = tuple(rgba[:3].tolist())
+        if len(rgba) == 4 and rgba[3] < 1:
+            look["opacity"] = float(rgba[3])
+    elif image is None and getattr(material, "diffuse", None) is not None:
+        look["colors"] = tuple(linear(np.asarray(material.diffuse, np.uint8)[:3]).tolist())
     for name in ("normalTexture", "metallicRoughnessTexture", "emissiveTexture", "occlusionTexture"):
         if getattr(material, name, None) is not None:
             _warn(f"{name} is left out")
-    look: dict[str, Any] = {"colors": None if light is None else tuple(map(float, light))}
-    if factor is not None and len(factor) == 4:
-        alpha = np.asarray(factor)[3] / (255 if np.asarray(factor).dtype == np.uint8 else 1)
-        look["opacity"] = float(alpha)
     if image is not None and visual.uv is not None:
         if "A" in image.getbands() and np.asarray(image.getchannel("A")).min() < 255:
             _warn("the texture's opacity is left out")
@@ -394,7 +391,7 @@ def from_pyvista(dataset: Any, *, scalars: str | None = None, cmap: Any = "virid
     if not hasattr(dataset, "bounds"):
         raise TypeError(f"dataset: expected one of PyVista, found {type(dataset).__name__}")
     blocks = list(_blocks(dataset))
-    surfaces = [b if hasattr(b, "regular_faces") else b.extract_surface(
+    surfaces = [b if hasattr(b, "n_strips") else b.extract_surface(
         algorithm="dataset_surface") for b in blocks]
     has = [scalars in s.point_data or scalars in s.cell_data for s in surfaces]
     if scalars is not None and not any(has):
@@ -584,8 +581,9 @@ def _ovito_particles(scene: Scene, particles: Any) -> tuple[Array, Array]:
     positions = np.asarray(particles.positions)
     axes = _property(particles, "Aspherical Shape")
     round_ones = np.ones(count, bool) if axes is None else ~axes.any(axis=1)
-    look = [{"colors": colors[s], "opacity": None if opacity is None else opacity[s]}
-            for s in (round_ones, ~round_ones)]
+    look: list[dict[str, Any]] = [
+        {"colors": colors[s], "opacity": None if opacity is None else opacity[s]}
+        for s in (round_ones, ~round_ones)]
     if round_ones.any():
         scene.spheres(positions[round_ones], radii[round_ones], **look[0])
     if axes is not None and not round_ones.all():

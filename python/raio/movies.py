@@ -5,7 +5,7 @@ import shutil
 import subprocess
 import tempfile
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sized
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -63,7 +63,7 @@ def movie(frames: Iterable[Frame] | Callable[[int], Frame], path: AnyPath, fps: 
             raise ValueError("count: expected the number of frames, since frames is a function")
         make = frames
         frames = (make(index) for index in range(count))
-    elif count is None and hasattr(frames, "__len__"):
+    elif count is None and isinstance(frames, Sized):
         count = len(frames)
     folder = Path(target).absolute().parent
     folder.mkdir(parents=True, exist_ok=True)

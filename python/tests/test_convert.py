@@ -75,7 +75,8 @@ def test_ase_values(ase, silent):
 
 def test_ase_warns_and_refuses(ase):
     atoms = ase.Atoms("X", [[0, 0, 0]], cell=[3, 0, 0])
-    with pytest.warns(raio.SceneWarning, match="three sides"):
+    with pytest.warns(raio.SceneWarning, match="three sides"), pytest.warns(
+            raio.SceneWarning, match="labels that are not elements"):
         raio.from_ase(atoms)
     with pytest.raises(ValueError, match="atom 0"):
         raio.from_ase(ase.Atoms("H", [[np.nan, 0, 0]]))
@@ -126,14 +127,19 @@ def test_mdanalysis_bonds_and_names(silent):
     assert len(raio.from_mdanalysis(u.atoms[[1, 2]], style="ball-and-stick")) == 2
 
 
-def test_mdanalysis_frames(silent):
+@pytest.mark.filterwarnings("ignore:::MDAnalysis")
+@pytest.mark.parametrize("suffix", ["xtc", "trr", "dcd"])
+def test_mdanalysis_frames(tmp_path: Path, suffix: str):
     u = universe()
-    frames = np.stack([u.atoms.positions, u.atoms.positions + [0, 0, 3]])
-    u.load_new(frames)
-    tops = []
-    for _ in u.trajectory:
-        tops.append(hit(raio.from_mdanalysis(u, style="space-filling"), [4, 0, 20], [0, 0, -1]))
-    assert tops == pytest.approx([20 - 1.7, 17 - 1.7], abs=1e-5)
+    u.dimensions = [30, 30, 30, 90, 90, 90]
+    with pytest.importorskip("MDAnalysis").Writer(str(tmp_path / f"t.{suffix}"), 4) as writer:
+        for z in (0, 3):
+            u.atoms.positions = [[0, 0, z], [4, 0, z], [8, 0, z], [12, 0, z]]
+            writer.write(u.atoms)
+    u.load_new(str(tmp_path / f"t.{suffix}"))
+    tops = [hit(raio.from_mdanalysis(u, style="space-filling"), [4, 0, 20], [0, 0, -1])
+            for _ in u.trajectory]
+    assert tops == pytest.approx([20 - 1.7, 17 - 1.7], abs=1e-4)
 
 
 def test_mdanalysis_repeated_numbers():
@@ -160,17 +166,23 @@ def test_mdanalysis_box():
 def test_biotite(tmp_path: Path):
     struc = pytest.importorskip("biotite.structure")
     pdbx = pytest.importorskip("biotite.structure.io.pdbx")
-    residue = pytest.importorskip("biotite.structure.info").residue("TYR")
+    residue = struc.AtomArray(5)
+    residue.coord = np.array([[0, 0, 0], [1.5, 0, 0], [2.2, 1.2, 0], [-1, 0.3, 0], [9, 0, 0]], np.float32)
+    residue.element[:] = ["C", "C", "O", "H", "C"]
+    residue.atom_name[:] = ["C1", "C2", "O5'", "H1", "C3"]
+    residue.res_name[:] = "LIG"
     residue.chain_id[:] = "A"
     residue.res_id[:] = 1
+    residue.bonds = struc.BondList(5, np.array([[0, 1], [1, 2], [0, 3], [2, 4]]))  # the last is long
     scene = raio.from_biotite(residue, style="ball-and-stick")
-    bonds = len(residue.bonds.as_array())
+    assert len(scene) == 5 + 3 * 2 + 1  # a bond of two elements has two halves
     file = pdbx.CIFFile()
     pdbx.set_structure(file, residue)
     file.write(tmp_path / "tyr.cif")
     read = raio.load(tmp_path / "tyr.cif", style="ball-and-stick")
-    assert len(scene) == len(read) >= len(residue) + bonds
-    assert same(scene.render(**SMALL), read.render(**SMALL))
+    assert len(read) == 5 + 2 * 2 + 1
+    residue.bonds = None
+    assert same(raio.from_biotite(residue, style="ball-and-stick").render(**SMALL), read.render(**SMALL))
     assert len(raio.from_biotite(residue, hide="hydrogen", style="space-filling")) == int(
         (residue.element != "H").sum())
     residue.box = np.diag([30.0, 30, 30])
@@ -277,6 +289,18 @@ def test_pyvista_polydata(pv, silent):
     plane.point_data["c"] = np.full((4, 3), [255, 0, 0], np.uint8)
     shown = color(raio.from_pyvista(plane, scalars="c"), (0.2, 0.1, 3), (0.2, 0.1, 0), (0, 1, 0))
     assert tuple(shown) == (1, 0, 0)
+
+
+def test_pyvista_polygons_and_strips(pv, silent):
+    points = np.array([[0., 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 2, 0]])
+    mesh = pv.PolyData(points, [4, 0, 1, 2, 3, 3, 3, 2, 4])
+    mesh.cell_data["v"] = [0.0, 1]
+    scene = raio.from_pyvista(mesh, scalars="v")
+    assert len(scene) == 3
+    for y, entry in ((0.3, 0), (1.3, 255)):
+        assert color(scene, (0.5, y, 3), (0.5, y, 0), (0, 1, 0)) == pytest.approx(
+            raio.colormap("viridis")[entry], abs=1e-6)
+    assert len(raio.from_pyvista(pv.PolyData(points, strips=[5, 0, 1, 3, 2, 4]))) == 3
 
 
 def test_pyvista_cells_as_many_as_points(pv, silent):
