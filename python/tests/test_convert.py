@@ -83,7 +83,7 @@ def test_ase_warns_and_refuses(ase):
     with pytest.raises(ValueError, match="at least one"):
         raio.from_ase(ase.Atoms())
     with pytest.raises(TypeError, match="samples"):
-        raio.from_ase(atoms, samples=3)
+        raio.from_ase(ase.Atoms("H"), samples=3)
     with pytest.raises(TypeError, match="found list"):
         raio.from_ase([1])
 
@@ -385,3 +385,20 @@ def test_ovito_shapes():
     particles.vis.shape = ParticlesVis.Shape.Box
     with pytest.warns(raio.SceneWarning, match="Box"):
         raio.from_ovito(data)
+
+
+def test_ovito_surface(silent):
+    pytest.importorskip("ovito")
+    from ovito.data import DataCollection
+    from ovito.modifiers import ConstructSurfaceModifier
+    from ovito.pipeline import Pipeline, StaticSource
+    data = DataCollection()
+    grid = np.stack(np.meshgrid(*[np.arange(3.0)] * 3), axis=-1).reshape(-1, 3) + 4
+    data.create_particles(count=27).create_property("Position", data=grid)
+    data.create_cell(np.eye(3) * 10)
+    data.cell.vis.enabled = data.particles.vis.enabled = False
+    pipeline = Pipeline(source=StaticSource(data=data))
+    pipeline.modifiers.append(ConstructSurfaceModifier(radius=1.0))
+    scene = raio.from_ovito(pipeline.compute())
+    assert hit(scene, [5.1, 5.2, 9], [0, 0, -1]) == pytest.approx(3, abs=0.3)
+    assert scene.bounds[0] == pytest.approx((4, 4, 4), abs=0.3)
