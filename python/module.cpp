@@ -257,6 +257,16 @@ void bind_scene(nb::module_& m) {
             return std::move(*scene);
           },
           "path"_a, "settings"_a, "report"_a = nb::none())
+      .def_static(
+          "parse",
+          [](const nb::bytes& data, const std::string& name, const raio::Settings& settings) {
+            const std::string_view text(data.c_str(), data.size());
+            std::optional<Scene> scene;
+            executed(&settings, nb::none(),
+                     [&] { scene.emplace(Scene::parse(text, name, settings)); });
+            return std::move(*scene);
+          },
+          "data"_a, "name"_a, "settings"_a)
       .def_static("from_bytes",
                   [](const nb::bytes& data) {
                     const std::string_view text(data.c_str(), data.size());

@@ -135,6 +135,9 @@ class RAIO_API Scene {
   /// The error states its first fault, with line and column.
   static Scene read(const std::string& path, const Settings& settings);
   static Scene read(const std::string& path);
+  /// The same for the bytes of such a file in memory; `name` with its suffix helps to detect the
+  /// format, and messages use it as the file name.
+  static Scene parse(std::string_view bytes, std::string_view name, const Settings& settings);
   /// The same for NFF in memory; messages use `name` as the file name.
   static Scene parse_nff(std::string_view text, std::string_view name = "scene");
   /// Writes the scene, whole or not at all, in the format given by the suffix.

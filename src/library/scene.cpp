@@ -64,6 +64,16 @@ Scene Scene::read(const std::string& path, const Settings& settings) {
   });
 }
 
+Scene Scene::parse(std::string_view bytes, std::string_view name, const Settings& settings) {
+  return guarded_work(settings.data().options.threads, [&] {
+    ReadOptions read = settings.data().read;
+    read.instances = true;
+    Scene scene(taken(parse_scene(bytes, name, read)));
+    scene.data_->read = std::move(read);
+    return scene;
+  });
+}
+
 Scene Scene::parse_nff(std::string_view text, std::string_view name) {
   return guarded_work(0, [&] { return Scene(taken(core::parse_nff(text, name))); });
 }
