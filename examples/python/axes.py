@@ -9,7 +9,8 @@ rng = np.random.default_rng(8)
 x, y = rng.uniform((-0.3, -0.3), (12.3, 8.3), (16000, 2)).T
 z = 0.5 * np.sin(x) * np.cos(0.8 * y) + 0.08 * rng.normal(size=len(x))
 scene = raio.Scene()
-scene.spheres(np.stack((x, y, z), axis=1), rng.uniform(0.09, 0.2, len(x)), colors=z, cmap="coolwarm")
+scene.spheres(np.stack((x, y, z), axis=1), rng.uniform(0.09, 0.2, len(x)), colors=z,
+              cmap="coolwarm")
 
 # An orthographic camera at a distance d shows a height of 2 d tan(fov / 2).
 distance, height = 100, 8

@@ -10,7 +10,8 @@ direction = np.stack((np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), 
 corner = np.arange(120)[:, None] * 241 + np.arange(240)
 faces = np.stack((corner, corner + 241, corner + 242, corner + 1), axis=-1).reshape(-1, 4)
 
-for radius, color, opacity in ((1.0, "#1f6fb5", 0.35), (0.78, "#0f9178", 0.5), (0.56, "#e8a11c", 0.75)):
+for radius, color, opacity in ((1.0, "#1f6fb5", 0.35), (0.78, "#0f9178", 0.5),
+                               (0.56, "#e8a11c", 0.75)):
     wave = radius * (1 + 0.02 * np.cos(6 * phi) * np.sin(theta) ** 6)
     vertices = (direction * wave[..., None]).reshape(-1, 3)
     scene.mesh(vertices, faces, normals=direction.reshape(-1, 3), colors=color, opacity=opacity)
