@@ -6,20 +6,21 @@ import raio
 
 # Grains of a film, seen from above; their height is the value.
 rng = np.random.default_rng(8)
-x, y = rng.uniform(0, 12, (2, 9000))
-z = 0.8 * np.sin(x) * np.cos(0.8 * y) + 0.12 * rng.normal(size=9000)
+x, y = rng.uniform((-0.3, -0.3), (12.3, 8.3), (16000, 2)).T
+z = 0.5 * np.sin(x) * np.cos(0.8 * y) + 0.08 * rng.normal(size=len(x))
 scene = raio.Scene()
-scene.spheres(np.stack((x, y, z), axis=1), rng.uniform(0.09, 0.2, 9000), colors=z, cmap="viridis")
+scene.spheres(np.stack((x, y, z), axis=1), rng.uniform(0.09, 0.2, len(x)), colors=z,
+              cmap="coolwarm")
 
 # An orthographic camera at a distance d shows a height of 2 d tan(fov / 2).
 distance, height = 100, 8
 scene.camera((6, 4, distance), (6, 4, 0), up=(0, 1, 0), projection="orthographic",
              fov=np.degrees(2 * np.arctan(height / 2 / distance)))
-image = scene.render(size=(960, 640), samples=32)
+image = scene.render(size=(960, 640), samples=32, occlusion_distance=0.4)
 
 figure, axes = plt.subplots(figsize=(7, 4.2), layout="constrained")
 axes.imshow(image.display(), extent=(0, 12, 0, 8))
 axes.set(xlabel="x (nm)", ylabel="y (nm)")
-figure.colorbar(plt.cm.ScalarMappable(plt.Normalize(z.min(), z.max()), "viridis"), ax=axes,
+figure.colorbar(plt.cm.ScalarMappable(plt.Normalize(z.min(), z.max()), "coolwarm"), ax=axes,
                 label="height (nm)", shrink=0.85)
 figure.savefig("axes.png", dpi=110)

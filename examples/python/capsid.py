@@ -21,10 +21,11 @@ assert len(group) == 60
 
 # A unit of three lumps of atoms, between a fivefold and two threefold axes.
 rng = np.random.default_rng(3)
-axes = np.array([[0, 1, golden], [1, 1, 1], [-1, 1, 1]], float)
+axes = np.array([[0, 1, golden], [1, 1, 1], [0, golden, 1 / golden]])
 axes /= np.linalg.norm(axes, axis=1, keepdims=True)
 unit = raio.Scene()
-for weights, color in (((2.6, 1, 1), "#3d6c9e"), ((1, 1.9, 0.6), "#e0a458"), ((1, 0.6, 1.9), "#79a89a")):
+for weights, color in (((2, 0.5, 0.5), "#3d6c9e"), ((0.9, 2, 0.45), "#e0a458"),
+                       ((0.9, 0.45, 2), "#79a89a")):
     middle = np.array(weights) @ axes
     middle *= 100 / np.linalg.norm(middle)
     atoms = rng.normal(size=(900, 3))
@@ -36,4 +37,4 @@ transforms = np.tile(np.eye(4), (60, 1, 1))
 transforms[:, :3, :3] = group
 scene.instances(unit, transforms)
 scene.look((-0.2, 0.3, -1), up=(0, 1, 0), margin=0.03)
-scene.render(size=(800, 800), samples=32, depth_cue=0.4).save("capsid.png")
+scene.render(size=(700, 700), samples=16, depth_cue=0.2).save("capsid.png")

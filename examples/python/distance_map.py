@@ -5,8 +5,8 @@ import numpy as np
 import raio
 
 rng = np.random.default_rng(2)
-grains = rng.uniform(-10, 10, (1500, 3))
-grains = grains[np.linalg.norm(grains, axis=1) > 2.2]  # the probe is in a hole at the centre
+grains = rng.uniform(-10, 10, (2600, 3))
+grains = grains[np.linalg.norm(grains, axis=1) > 2.6]  # the probe is in a hole at the centre
 scene = raio.Scene()
 scene.spheres(grains, rng.uniform(0.5, 1.1, len(grains)))
 
@@ -16,7 +16,7 @@ latitude, longitude = np.meshgrid(np.radians(np.linspace(89.75, -89.75, 360)),
 directions = np.stack((np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude),
                        np.sin(latitude)), axis=-1).reshape(-1, 3)
 hits = scene.intersect(np.zeros_like(directions), directions)
-distance = np.where(hits.index < 0, np.nan, hits.distance).reshape(latitude.shape)
+distance = np.where(np.isinf(hits.distance), np.nan, hits.distance).reshape(latitude.shape)
 
 figure = plt.figure(figsize=(8, 4.4), layout="constrained")
 axes = figure.add_subplot(projection="mollweide")

@@ -13,10 +13,12 @@ value = np.zeros(len(places), np.float32)
 for _ in range(60):
     k = rng.normal(size=3)
     k *= rng.uniform(2, 12) / n / np.linalg.norm(k)
-    value += np.cos(2 * np.pi * (places @ k.astype(np.float32) + rng.uniform())) / np.linalg.norm(k * n)
+    wave = np.cos(2 * np.pi * (places @ k.astype(np.float32) + rng.uniform()))
+    value += wave / np.linalg.norm(k * n)
 
 kept = ~((places[:, 0] > n * 0.5) & (places[:, 1] < n * 0.5) & (places[:, 2] > n * 0.5))
 scene = raio.Scene()
-scene.spheres(places[kept], 0.62, colors=value[kept], cmap="viridis")
+scene.spheres(places[kept], 0.62, colors=value[kept], cmap="viridis",
+              vmin=np.percentile(value, 1), vmax=np.percentile(value, 99))
 scene.look((-1, 1.35, -0.8), margin=0.03)
 scene.render(size=(900, 800), samples=32, progress=True).save("million_particles.png")

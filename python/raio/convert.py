@@ -173,8 +173,10 @@ def _checked(positions: Array) -> Array:
 
 
 def _words(array: Array) -> list[str]:
-    # The shortest decimals that give the same number: of float32, not of its double.
-    return [str(v) for v in array] if array.dtype == np.float32 else [repr(v) for v in array.tolist()]
+    # Decimals that give the same number.
+    if array.dtype == np.float32:
+        return [f"{v:.9g}" for v in array.tolist()]
+    return [repr(v) for v in array.tolist()]
 
 
 def _rows(columns: Iterable[Sequence[str]]) -> str:
@@ -202,11 +204,18 @@ def _xyz(symbols: Sequence[str], positions: Array, cell: Array | None, periodic:
     return f"{len(positions)}\n{lattice}Properties={properties}\n{_rows(columns)}"
 
 
-def _cif_words(values: Any) -> list[str]:
-    texts = [str(v).strip() for v in values]
-    quoted = {t: t if re.fullmatch(r"[A-Za-z0-9+*.-][^\s#\"]*", t) and not re.match(
-        r"(?i)(data_|loop_|save_|stop_|global_)", t) else f'"{t}"' if t else "?" for t in set(texts)}
-    return [quoted[t] for t in texts]
+def _cif_word(text: str) -> str:
+    is_plain = re.fullmatch(r"[A-Za-z0-9+*.-][^\s#\"]*", text) and not re.match(
+        r"(?i)(data_|loop_|save_|stop_|global_)", text)
+    return text if is_plain else f'"{text}"' if text else "?"
+
+
+def _cif_words(values: Array) -> list[str]:
+    if values.dtype.kind in "iuf":
+        return ["?" if w == "nan" else w for w in _words(values)]
+    texts = values.tolist()
+    words = {t: _cif_word(str(t).strip()) for t in set(texts)}
+    return [words[t] for t in texts]
 
 
 _CIF = {"element": "type_symbol", "name": "label_atom_id", "residue": "label_comp_id",
@@ -226,9 +235,9 @@ def _mmcif(columns: dict[str, Any], positions: Array, residues: Array | None, bo
     count = len(_checked(positions))
     if residues is not None and "number" in given:
         # Reading joins residues of one number, and keeps one of several names.
-        keys = set(zip(*(_cif_words(given[n]) for n in ("chain", "number", "insertion")
-                         if n in given), residues.tolist(), strict=True))
-        if len({key[:-1] for key in keys}) < len(keys):
+        _, firsts = np.unique(residues, return_index=True)
+        keys = [given[n][firsts].tolist() for n in ("chain", "number", "insertion") if n in given]
+        if len(set(zip(*keys, strict=True))) < len(firsts):
             _warn("several residues have the same number; they are numbered from 1")
             given["number"] = residues - residues.min() + 1
             given.pop("insertion", None)

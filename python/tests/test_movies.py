@@ -76,6 +76,17 @@ def test_refuses(tmp_path: Path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_display_is_the_picture_file(tmp_path: Path):
+    pil = pytest.importorskip("PIL.Image")
+    made = scene()
+    made.spheres([[1.5, 0, 0]], 0.5, opacity=0.5)
+    image = made.render(background="transparent", **SMALL)
+    image.save(tmp_path / "a.png")
+    shown, visible = image.display(), image.display()[..., 3] > 0
+    with pil.open(tmp_path / "a.png") as file:
+        assert np.array_equal(np.asarray(file.convert("RGBA"))[visible], shown[visible])
+
+
 def decoded(path: Path, width: int, height: int) -> np.ndarray:
     data = subprocess.run(["ffmpeg", "-loglevel", "error", "-i", path, "-f", "rawvideo", "-pix_fmt",
                            "rgb24", "-"], capture_output=True, check=True).stdout

@@ -167,7 +167,7 @@ std::vector<float> Film::rgba() const {
 
 std::vector<uint8_t> Film::display() const {
   return guarded_work(data_->threads, [&] {
-    const auto picture = finished_picture(data_->part, ".png");
+    const auto picture = finished_picture(data_->part, "picture.png");
     if (!picture) fail(picture.error());
     const auto& [color, alpha, layers, dpi] = *picture;
     std::vector<uint8_t> out(4 * color.pixels.size());
