@@ -63,7 +63,8 @@ def _live_view() -> Any:
         """A live picture. Drag turns, the wheel zooms, right or shift-drag moves, a double click
         resets. close() ends it."""
 
-        _esm = pathlib.Path(__file__).with_name("view.js")
+        # As text: anywidget would watch a file, and keep all widgets alive for that.
+        _esm = pathlib.Path(__file__).with_name("view.js").read_text(encoding="utf-8")
         _css = _STYLE
         _size = traitlets.Tuple((640, 480)).tag(sync=True)
         _still = traitlets.Bytes(b"").tag(sync=True)
