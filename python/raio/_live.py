@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 # Sends a message with binary buffers to the front end.
 Send = Callable[[dict[str, Any], list[bytes]], None]
 
-_FRAME_S = 0.08  # for a picture while it moves; its way to the screen takes some more
-_PORTION_S = 0.15  # for the samples between two pictures that stand still
+_FRAME_S = 0.06  # for a picture while it moves; its way to the screen takes some more
+_PORTION_S = 0.08  # for the samples between two pictures that stand still: a gesture waits for it
 _REST_S = 0.2  # without a gesture: the picture stands still
 _LEAST_SCALE = 1 / 6
 
@@ -42,7 +42,7 @@ def png(pixels: npt.NDArray[np.uint8]) -> bytes:
 
     header = struct.pack(">IIBBBBB", width, height, 8, 6 if depth == 4 else 2, 0, 0, 0)
     return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
-            + chunk(b"IDAT", zlib.compress(lines, 1)) + chunk(b"IEND", b""))
+            + chunk(b"IDAT", zlib.compress(lines.tobytes(), 1)) + chunk(b"IEND", b""))
 
 
 class _Stale(Exception):
@@ -80,8 +80,10 @@ class Live:
         self._options = {name: value for name, value in options.items() if value is not None}
         aa = int(self._options.pop("aa", 8))
         self.samples = int(self._options.pop("samples", aa * aa))
-        self._asked_size = {name: self._options.pop(name) for name in ("size", "width", "dpi")
-                            if name in self._options} or {"size": (640, 480)}
+        asked = ("size", "width", "dpi")
+        self._asked_size: dict[str, Any] = {
+            name: self._options.pop(name) for name in asked if name in self._options}
+        self._asked_size = self._asked_size or {"size": (640, 480)}
         self.size = 640, 480  # until there is a picture
         self._send = send
         self._news = threading.Condition()
@@ -230,7 +232,8 @@ class Live:
         self._follow_scene()
         done = 0 if self.film is None else int(self.film.samples()[0])
         # A render that is cancelled leaves the film that it began with.
-        film = self._render(self._asked_size, min(self.samples, done + samples), self.film, progress)
+        samples = min(self.samples, done + samples)
+        film = self._render(self._asked_size, samples, self.film, progress)
         width, height = film.size()
         self.film, self.size = film, (width, height)
         if self._home is None:

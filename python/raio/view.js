@@ -9,7 +9,6 @@ function render({ model, el }) {
   const canvas = document.createElement("canvas");
   canvas.width = width;
   canvas.height = height;
-  canvas.tabIndex = 0;
   canvas.title = "Drag turns, wheel zooms, right or shift-drag moves, double click resets";
   canvas.setAttribute("role", "img");
   canvas.setAttribute("aria-label", "Rendered scene. " + canvas.title);
@@ -86,7 +85,6 @@ function render({ model, el }) {
     const pans = event.button !== 0 || event.shiftKey;
     drag = { type: pans ? "pan" : "turn", x: event.clientX, y: event.clientY, far: 0 };
     canvas.setPointerCapture(event.pointerId);
-    canvas.focus({ preventScroll: true });
     event.preventDefault();
   });
   listen("pointermove", (event) => {

@@ -41,9 +41,8 @@ def _is_in_notebook() -> bool:
 
 _STYLE = """
 .raio-view { position: relative; width: fit-content; max-width: 100%; line-height: 0; }
-.raio-view canvas { max-width: 100%; height: auto; cursor: grab; touch-action: none; outline: none; }
+.raio-view canvas { max-width: 100%; height: auto; cursor: grab; touch-action: none; }
 .raio-view canvas:active { cursor: grabbing; }
-.raio-view canvas:focus-visible { outline: 1px solid #888; }
 .raio-bar { position: absolute; left: 0; bottom: 0; height: 2px; background: #8888; }
 .raio-text { position: absolute; left: 8px; bottom: 8px; max-width: calc(100% - 32px);
   padding: 2px 8px; border-radius: 4px; font: 12px/1.5 system-ui, sans-serif; color: #fff;
