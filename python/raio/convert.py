@@ -6,6 +6,7 @@ left out with a SceneWarning.
 """
 
 import re
+import sys
 import warnings
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
@@ -25,7 +26,11 @@ Array = npt.NDArray[Any]
 
 
 def _warn(text: str) -> None:
-    warnings.warn(text, SceneWarning, stacklevel=3)
+    # Names the line of the user.
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back and frame.f_globals["__name__"] == __name__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, SceneWarning, stacklevel=level)
 
 
 # --- atoms
@@ -73,8 +78,8 @@ def from_mdanalysis(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     Kept, as far as present: positions (angstroms), elements, names, residues, chains (chainIDs, else
     segments), temperature factors, occupancies, bonds and the box. Options are those of load(), with
     the selections of the command line: `style="sticks"`, `color_by="chain"`, `only="protein"`.
-    Atoms without elements get them from their names, with a warning. Listed bonds are added to those
-    found by distance. Velocities, forces and virtual sites' masses are not drawn.
+    `cell=True` draws the box. Atoms without elements get them from their names, with a warning. Listed bonds are added to those
+    found by distance. Velocities and forces are not drawn.
     """
     group = getattr(atoms, "atoms", None)
     if group is None or not hasattr(group, "positions"):
@@ -110,7 +115,7 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
 
     Kept, as far as present: positions (angstroms), elements, names, residues, chains, B factors,
     occupancies, the box, and bonds, which are added to those found by distance. Options are those of
-    load(): `style="ball-and-stick"`, `color_by="residue"`, `only="ligand"`. Of an AtomArrayStack,
+    load(): `style="ball-and-stick"`, `color_by="residue"`, `only="ligand"`, `cell=True`. Of an AtomArrayStack,
     the first model is drawn, with a warning. Charges and orders of bonds are not drawn.
     """
     if not hasattr(atoms, "get_annotation_categories"):
