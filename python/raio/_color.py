@@ -16,10 +16,13 @@ ColorsLike = str | npt.ArrayLike
 def linear(colors: npt.ArrayLike) -> Floats:
     """Converts display values (sRGB, as matplotlib has them) to light, which Raio computes with.
 
-    colors: any shape, 0 to 1, or uint8. The curve is that of IEC 61966-2-1.
+    Args:
+        colors: any shape, 0 to 1, or uint8. The curve is that of IEC 61966-2-1.
 
-    >>> round(float(linear(0.5)), 3)
-    0.214
+    Examples:
+        >>> import raio
+        >>> round(float(raio.linear(0.5)), 3)
+        0.214
     """
     array = np.asarray(colors)
     shown = array / np.float32(255) if array.dtype == np.uint8 else array
@@ -31,11 +34,14 @@ def linear(colors: npt.ArrayLike) -> Floats:
 def colormap(cmap: Any) -> Floats:
     """The colours of a map as light, (256, 3).
 
-    cmap: "viridis", "plasma", "cividis" or "coolwarm"; with matplotlib, the name of any of its maps
-    or one of its Colormap objects.
+    Args:
+        cmap: "viridis", "plasma", "cividis" or "coolwarm"; with matplotlib, the name of any of its maps
+            or one of its Colormap objects.
 
-    >>> colormap("viridis").shape
-    (256, 3)
+    Examples:
+        >>> import raio
+        >>> raio.colormap("viridis").shape
+        (256, 3)
     """
     if isinstance(cmap, str):
         try:

@@ -46,10 +46,17 @@ class Material:
     """A surface. The defaults are matt; figures lit from everywhere (`ambient`) use only colour,
     texture and opacity, `classic` pictures the rest (docs/shading.md).
 
-    color: a name, "#rrggbb", or three numbers of light. kd, ks: diffuse and mirror parts. shine:
-    exponent of the highlight. transmission: part of the refracted ray. ior: index of refraction.
-    roughness: spread of mirrored rays. texture: (height, width, 3) uint8, top row first, for meshes
-    with uv.
+    Attributes:
+        color: a name, "#rrggbb", or three numbers of light.
+        kd: diffuse part.
+        ks: mirror part.
+        shine: exponent of the highlight.
+        transmission: part of the refracted ray.
+        ior: index of refraction.
+        specular: colour of highlights and mirrors.
+        roughness: spread of mirrored rays.
+        opacity: 0 to 1.
+        texture: (height, width, 3) uint8, top row first, for meshes with uv; replaces the colour.
     """
 
     color: ColorsLike = (0.8, 0.8, 0.8)
@@ -81,19 +88,22 @@ class Material:
 class Scene:
     """Primitives from arrays, files or both, with lights and a camera.
 
-    background: a name, "#rrggbb", three numbers of light, "transparent", or None: that of the style.
-
     Without lights a scene is a figure, lit from everywhere; with lights, NFF's shading is the
     default. The camera shows everything unless camera() or look() is called. A scene may be changed
     at any time. Arrays of float32 are not copied: they are kept alive, and must not be written to
     while a picture is rendered (its pixels would be undefined, though nothing crashes); changed()
     tells of changes.
 
-    >>> import raio
-    >>> scene = raio.Scene(background="transparent")
-    >>> ball = scene.spheres([[0, 0, 0]], 1, colors="orange")
-    >>> scene.render(size=(32, 24), samples=4)
-    <raio.Image of 32 x 24>
+    Args:
+        background: a name, "#rrggbb", three numbers of light, "transparent", or None: that of the
+            style.
+
+    Examples:
+        >>> import raio
+        >>> scene = raio.Scene(background="transparent")
+        >>> ball = scene.spheres([[0, 0, 0]], 1, colors="orange")
+        >>> scene.render(size=(32, 24), samples=4)
+        <raio.Image of 32 x 24>
     """
 
     def __init__(self, background: str | npt.ArrayLike | None = "white"):
@@ -128,20 +138,28 @@ class Scene:
     def spheres(self, centers: FloatsLike, radii: FloatsLike, *, colors: Any = None,
                 opacity: FloatsLike | None = None, material: Material | None = None,
                 cmap: Any = None, vmin: float | None = None, vmax: float | None = None) -> Spheres:
-        """Adds spheres.
+        """Adds spheres. float32 arrays are borrowed, others are copied.
 
-        centers: (N, 3), scene units. radii: a number or (N,), not negative.
+        Args:
+            centers: (N, 3), scene units.
+            radii: a number or (N,), above 0.
+            colors: one colour for all (a name, "#rrggbb" or three numbers), (N, 3), or (N, 4) with
+                opacities. Floats are light, 0 to 1 (raio.linear() converts display values); uint8 is
+                as displayed, 0 to 255. Or (N,) values for `cmap`.
+            opacity: a number or (N,), 0 to 1.
+            material: the surface; None: matt.
+            cmap: a colour map, see raio.colormap().
+            vmin: the value of its first colour; None: the smallest.
+            vmax: the value of its last colour; None: the largest.
 
-        colors: one colour for all (a name, "#rrggbb" or three numbers), (N, 3), or (N, 4) with
-        opacities: floats are light, 0 to 1 (raio.linear() converts display values), uint8 is as
-        displayed, 0 to 255. Or (N,) values with a colour map `cmap` from `vmin` to `vmax`.
-        opacity: a number or (N,), 0 to 1. float32 arrays are borrowed, others are copied.
+        Raises:
+            TypeError: an argument is not numeric.
+            ValueError: a shape or a number does not fit; the message names the argument.
 
-        Raises TypeError and ValueError with the name of the argument, and what was expected.
-
-        >>> import raio
-        >>> raio.Scene().spheres([[0, 0, 0], [1, 0, 0]], 0.5, colors=[1.0, 2.0], cmap="viridis")
-        <raio.Spheres of 2>
+        Examples:
+            >>> import raio
+            >>> raio.Scene().spheres([[0, 0, 0], [1, 0, 0]], 0.5, colors=[1, 2], cmap="viridis")
+            <raio.Spheres of 2>
         """
         points = numbers("centers", centers, 3)
         part = Spheres(self, len(points), material, colors, opacity, cmap, vmin, vmax)
@@ -149,9 +167,12 @@ class Scene:
         return self._append(part)
 
     def points(self, positions: FloatsLike, radius: float | None = None, **look: Any) -> Spheres:
-        """Adds small spheres of one size; without a radius, of half the mean spacing of the points.
+        """Adds small spheres of one size.
 
-        positions: (N, 3). Colours and opacity as for spheres().
+        Args:
+            positions: (N, 3), scene units.
+            radius: None: half the mean spacing of the points.
+            look: colours and opacity as for spheres().
         """
         points = numbers("positions", positions, 3)
         if radius is None:
@@ -165,10 +186,13 @@ class Scene:
               end_radii: FloatsLike, *, colors: Any = None, opacity: FloatsLike | None = None,
               material: Material | None = None, cmap: Any = None, vmin: float | None = None,
               vmax: float | None = None) -> Cones:
-        """Adds cones without caps, from one circle to another.
+        """Adds cones without caps, from one circle to another. Looks as for spheres().
 
-        starts, ends: (N, 3), scene units. start_radii, end_radii: a number or (N,). Colours and
-        opacity as for spheres().
+        Args:
+            starts: centres of the first circles, (N, 3), scene units.
+            ends: centres of the second circles, (N, 3).
+            start_radii: a number or (N,).
+            end_radii: a number or (N,); 0 is a tip.
         """
         first, second = _pairs(starts, ends)
         part = Cones(self, len(first), material, colors, opacity, cmap, vmin, vmax)
@@ -181,10 +205,12 @@ class Scene:
                   colors: Any = None, opacity: FloatsLike | None = None,
                   material: Material | None = None, cmap: Any = None, vmin: float | None = None,
                   vmax: float | None = None) -> Cones:
-        """Adds cylinders without caps.
+        """Adds cylinders without caps. Looks as for spheres().
 
-        starts, ends: (N, 3), scene units. radii: a number or (N,). Colours and opacity as for
-        spheres().
+        Args:
+            starts: centres of the first circles, (N, 3), scene units.
+            ends: centres of the second circles, (N, 3).
+            radii: a number or (N,).
         """
         first, second = _pairs(starts, ends)
         radius = per_row("radii", radii, len(first))
@@ -194,10 +220,13 @@ class Scene:
 
     def lines(self, points: FloatsLike, radius: float, *, colors: Any = None,
               opacity: FloatsLike | None = None, material: Material | None = None) -> Cones:
-        """Adds a polyline of round segments with round joints.
+        """Adds a polyline of round segments with round joints, and returns its segments.
 
-        points: (N, 3), N at least 2. radius: scene units. colors: one for all. The result holds the
-        segments.
+        Args:
+            points: (N, 3), at least two.
+            radius: scene units.
+            colors: one for all.
+            opacity: one for all.
         """
         path = numbers("points", points, 3)
         if len(path) < 2:
@@ -214,10 +243,11 @@ class Scene:
                    opacity: FloatsLike | None = None, material: Material | None = None,
                    cmap: Any = None, vmin: float | None = None,
                    vmax: float | None = None) -> Ellipsoids:
-        """Adds ellipsoids.
+        """Adds ellipsoids. Looks as for spheres().
 
-        centers: (N, 3). axes: (N, 3, 3) or (N, 9): three perpendicular vectors each, from the centre
-        to the surface. Colours and opacity as for spheres().
+        Args:
+            centers: (N, 3), scene units.
+            axes: (N, 3, 3) or (N, 9): three perpendicular vectors each, from the centre to the surface.
         """
         points = numbers("centers", centers, 3)
         half = np.asarray(axes)
@@ -230,10 +260,13 @@ class Scene:
               inner_radii: FloatsLike = 0, *, colors: Any = None,
               opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
               vmin: float | None = None, vmax: float | None = None) -> Discs:
-        """Adds flat discs, or rings.
+        """Adds flat discs, or rings. Looks as for spheres().
 
-        centers, normals: (N, 3). radii, inner_radii: a number or (N,). Colours and opacity as for
-        spheres().
+        Args:
+            centers: (N, 3), scene units.
+            normals: (N, 3), of any length but 0.
+            radii: a number or (N,).
+            inner_radii: a number or (N,); 0: no hole.
         """
         points = numbers("centers", centers, 3)
         part = Discs(self, len(points), material, colors, opacity, cmap, vmin, vmax)
@@ -248,10 +281,13 @@ class Scene:
              vmin: float | None = None, vmax: float | None = None) -> Mesh:
         """Adds triangles with common vertices.
 
-        vertices: (V, 3), scene units. faces: (F, 3), or (F, 4) for quadrilaterals: integers, copied.
-        normals: (V, 3): smooth; None: flat. colors: as for spheres(), one per vertex, or per face if
-        their number fits only the faces. uv: (V, 2), for the texture of the material. opacity: a
-        number, or one per face.
+        Args:
+            vertices: (V, 3), scene units.
+            faces: integers, (F, 3), or (F, 4) for quadrilaterals; copied.
+            normals: (V, 3) for smooth triangles; None: flat.
+            colors: as for spheres(), per vertex, or per face if their number fits only the faces.
+            uv: (V, 2), for the texture of the material; (0, 0) is its lower left corner.
+            opacity: a number, or (F,).
         """
         return self._append(Mesh(self, vertices, faces, normals, uv, material, colors, opacity, cmap,
                                  vmin, vmax))
@@ -259,8 +295,10 @@ class Scene:
     def instances(self, object: "Scene", transforms: FloatsLike) -> Instances:
         """Adds copies of all primitives of another scene, which are stored once.
 
-        transforms: (N, 4, 4) or (N, 3, 4): matrices for column vectors; the translation is the last
-        column.
+        Args:
+            object: its later changes are not shown.
+            transforms: (N, 4, 4) or (N, 3, 4): matrices for column vectors; the translation is the last
+                column.
         """
         if object is self:
             raise ValueError("object: a scene cannot contain itself")
@@ -294,8 +332,11 @@ class Scene:
               color: ColorsLike | None = None, size: float = 0) -> None:
         """Adds a light at a position, or a distant one that shines in a direction.
 
-        color: None: white, so bright that all such lights together suit; else light, 1 being white.
-        size: the side of the square that `soft_shadows` makes of it; 0: the option's.
+        Args:
+            position: three numbers, scene units.
+            direction: three numbers, instead of a position.
+            color: None: white, so bright that all such lights together suit; else light, 1 being white.
+            size: the side of the square that `soft_shadows` makes of it; 0: the option's.
         """
         if (position is None) == (direction is None):
             raise ValueError("light: give position or direction")
@@ -314,9 +355,14 @@ class Scene:
                projection: str | None = None) -> None:
         """Places the camera.
 
-        from_, at, up: three numbers, scene units. fov: vertical angle, degrees. aperture, focus: the
-        radius of the lens, which blurs, and the distance that is sharp. projection: "perspective" or
-        "orthographic".
+        Args:
+            from_: where it is, three numbers, scene units.
+            at: the point in the middle of the picture.
+            up: the direction that is up in the picture.
+            fov: the vertical angle, degrees.
+            aperture: the radius of a lens, which blurs, scene units.
+            focus: the distance that is then sharp; None: that of `at`.
+            projection: "perspective" or "orthographic".
         """
         view = {"from_": triple("from_", from_), "at": triple("at", at), "up": triple("up", up),
                 "fov": fov, "projection": projection}
@@ -333,8 +379,10 @@ class Scene:
              margin: float = 0) -> None:
         """Places the camera so that it shows everything.
 
-        direction: that of sight, from the camera on; None: at an angle from above. margin: free
-        space on each side, as a part of the picture.
+        Args:
+            direction: that of sight, from the camera on; None: at an angle from above.
+            up: the direction that is up in the picture.
+            margin: free space on each side, as a part of the picture, below 0.5.
         """
         towards = None if direction is None else triple("direction", direction)
         if towards == (0, 0, 0) or triple("up", up) == (0, 0, 0):
@@ -353,12 +401,18 @@ class Scene:
     def render(self, *, progress: Progress = False, **options: Unpack[RenderOptions]) -> Image:
         """Renders a picture.
 
-        Takes every rendering option of the command line as a keyword: `size=(1920, 1080)`,
-        `samples=64`, `integrator="ambient"`, `channels=["depth", "id"]`, `soft_shadows=True`;
-        raio.RenderOptions lists them. progress: True shows a bar; or a function of the stage and its
-        share. Ctrl-C stops.
+        Ctrl-C stops it.
 
-        Raises TypeError for unknown options, ValueError for values that do not fit, MemoryError.
+        Args:
+            progress: True shows a bar; or a function of the stage and its share, 0 to 1.
+            options: every rendering option of the command line is a keyword: `size=(1920, 1080)`,
+                `samples=64`, `channels=["depth", "id"]`, `soft_shadows=True`; raio.RenderOptions lists
+                them.
+
+        Raises:
+            TypeError: an option is unknown.
+            ValueError: a value does not fit.
+            MemoryError: the scene is too large.
         """
         return Image(self._render(dict(options), progress))
 
@@ -402,14 +456,17 @@ class Scene:
                   lengths: FloatsLike | None = None) -> Hits:
         """The nearest hits of rays.
 
-        origins, directions: (N, 3); directions of any length but 0. lengths: a number or (N,), the
-        farthest distance; None: infinite.
+        Args:
+            origins: (N, 3), scene units.
+            directions: (N, 3), of any length but 0.
+            lengths: the farthest distance, a number or (N,); None: infinite.
 
-        >>> import raio
-        >>> scene = raio.Scene()
-        >>> _ = scene.spheres([[0, 0, 0]], 1)
-        >>> float(scene.intersect([[0, 0, 5]], [[0, 0, -1]]).distance[0])
-        4.0
+        Examples:
+            >>> import raio
+            >>> scene = raio.Scene()
+            >>> _ = scene.spheres([[0, 0, 0]], 1)
+            >>> float(scene.intersect([[0, 0, 5]], [[0, 0, -1]]).distance[0])
+            4.0
         """
         starts, towards, limits = self._rays(origins, directions, lengths)
         return Hits(**self._accel({}, None)[0].closest(starts, towards, limits, True))

@@ -119,6 +119,11 @@ void find_occluded(const Accel::Data& data, Scratch& scratch, size_t n, TraceCon
 
 }  // namespace
 
+const std::string& Accel::Data::hash() const {
+  std::call_once(is_hashed_, [&] { hash_ = content_hash(scene); });
+  return hash_;
+}
+
 Accel::Accel(Scene scene, const Settings& settings, const Accel* like) {
   guarded_work(settings.data().options.threads, [&] {
     const auto data = std::make_shared<Data>();

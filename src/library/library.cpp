@@ -247,6 +247,7 @@ Job::Job(const Accel& accel, const Settings& settings, std::optional<Film> begun
     request.options = options_with(*built, std::move(request.options));
     request.loaded = {built, &built->scene};
     request.built = {built, built->accel.get()};
+    request.scene_hash = built->hash();
     take_read(request.read, built->read);
     take_background(request.options, built->scene, built->has_background);
     data_ = std::make_unique<Data>(std::move(request), std::move(begun));

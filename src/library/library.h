@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <optional>
 #include <string>
@@ -78,6 +79,13 @@ struct Accel::Data {
   core::ReadOptions read = {};  // likewise
   core::RenderOptions options;  // as resolved; only those of the structure matter
   std::unique_ptr<core::Accel> accel;
+
+  /// The scene's content_hash(). Thread-safe.
+  const std::string& hash() const;
+
+ private:
+  mutable std::once_flag is_hashed_;
+  mutable std::string hash_;
 };
 
 }  // namespace raio::inline v1

@@ -80,8 +80,8 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
         fmt::format("exceeds the {} samples per pixel; expected A:B with B at most {}, found "
                     "{}",
                     samples, samples, text_of(request_.sample_range))));
-  part_.header = {settings_of(*scene_, settings_, request_.read), request_.shard, request_.shards,
-                  request_.sample_range};
+  part_.header = {settings_of(*scene_, settings_, request_.read, request_.scene_hash),
+                  request_.shard, request_.shards, request_.sample_range};
   auto film = film_of(*start, *scene_, settings_, part_.header.settings, events_.warning);
   if (!film) return std::unexpected(std::move(film.error()));
   part_.film = std::move(*film);
@@ -199,7 +199,7 @@ void RenderJob::describe(const SampleCounts& samples) {
   const bool are_first = samples.alike && samples.samples == SampleSet({0, samples.most});
   if (are_first && settings_.samples > 0) settings_.samples = int(samples.most);
   Metadata& kept = part_.header.settings;
-  kept = settings_of(*scene_, settings_, request_.read);
+  kept = settings_of(*scene_, settings_, request_.read, request_.scene_hash);
   if (are_first && settings_.samples > 0) return;
   kept.emplace_back("samples_done", are_first ? fmt::format("{}", samples.most)
                                     : samples.alike

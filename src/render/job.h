@@ -33,6 +33,7 @@ struct JobRequest {
   bool reads_as_given = false;          // with `repeat`: use `read`, not the picture's settings
   std::shared_ptr<const Scene> loaded;  // instead of the file's contents
   std::shared_ptr<const Accel> built;   // instead of building it; of `loaded`, by the same options
+  std::string scene_hash;               // of `loaded`, where it is known; takes 40 ms per million
   RenderOptions options;
   std::vector<std::string> of_picture;  // names of the given options that affect the picture
 

@@ -40,11 +40,13 @@ constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "
 
 }  // namespace
 
-Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadOptions& read) {
+Metadata settings_of(const Scene& scene, const RenderSettings& used, const ReadOptions& read,
+                     const std::string& scene_hash) {
   RenderOptions o = options_of(used, scene);
   if (!used.dof) o.aperture = o.focus = 0;  // unused
-  Metadata settings = {
-      {"version", RAIO_VERSION}, {"scene", scene.name}, {"scene_hash", content_hash(scene)}};
+  Metadata settings = {{"version", RAIO_VERSION},
+                       {"scene", scene.name},
+                       {"scene_hash", scene_hash.empty() ? content_hash(scene) : scene_hash}};
   add_settings(read_option_table(), read, settings);
   if (used.sky) {
     settings.emplace_back("sky", used.sky->folder);

@@ -15,9 +15,10 @@
 namespace raio::core {
 
 /// The settings of a picture of a scene read with `read`, for pictures (write_image) and part files
-/// (render/part.h). Omits switches that are off and unused numbers.
+/// (render/part.h). Omits switches that are off and unused numbers. `scene_hash`: the scene's
+/// content_hash(), if known.
 Metadata settings_of(const Scene& scene, const RenderSettings& used,
-                     const ReadOptions& read = kForPictures);
+                     const ReadOptions& read = kForPictures, const std::string& scene_hash = {});
 
 /// Replaces the setting of one option by its value in `options`.
 void set_setting(Metadata& settings, const OptionSpec& spec, const RenderOptions& options);
