@@ -416,6 +416,13 @@ def from_pyvista(dataset: Any, *, scalars: str | None = None, cmap: Any = "virid
     scene = Scene()
     diagonal = float(np.linalg.norm(np.subtract(dataset.bounds[1::2], dataset.bounds[::2])))
     ends = _ends(surfaces, scalars, vmin, vmax)
+    if not any(s.n_cells for s in surfaces):
+        _warn("the dataset has no cells to draw")
+    for values in (_values(s, scalars)[0] for s in surfaces):
+        if values is not None and values.ndim == 2 and values.shape[1] == 4 and (
+                values[:, 3] < (255 if values.dtype == np.uint8 else 1)).any():
+            _warn(f"the opacities of {scalars!r} are left out")
+            break
     for surface in surfaces:
         _add_surface(scene, surface, scalars, (cmap, *ends), color, opacity, smooth,
                      radius or 0.004 * diagonal or 1.0)
@@ -438,6 +445,9 @@ def _values(surface: Any, scalars: str | None) -> tuple[Array | None, bool]:
     for data, by_cell in ((surface.point_data, False), (surface.cell_data, True)):
         if scalars in data:
             values = np.asarray(data[scalars])
+            if values.ndim == 2 and values.dtype.kind in "iu" and values.dtype != np.uint8:
+                raise TypeError(f"scalars: {scalars!r} has colours of {values.dtype}; expected uint8 "
+                                f"for 0 to 255, or floats for 0 to 1")
             if values.ndim == 1 or values.shape[1] in (3, 4):
                 return values, by_cell
             raise ValueError(f"scalars: {scalars!r} has the shape {values.shape}; expected (N,), or "
@@ -548,6 +558,10 @@ def from_ovito(data: Any) -> Scene:
         colors, radii = _ovito_particles(scene, particles)
         if particles.bonds is not None and particles.bonds.count:
             _ovito_bonds(scene, particles, cell, colors)
+        arrows = [name for name in particles.keys()
+                  if getattr(getattr(particles[name], "vis", None), "enabled", False)]
+        if arrows:
+            _warn(f"arrows are left out: {', '.join(arrows)}")
     if cell is not None and cell.vis is not None and cell.vis.enabled and cell.vis.render_cell:
         _ovito_cell(scene, cell)
     for surface in data.surfaces.values():

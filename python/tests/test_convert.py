@@ -356,6 +356,14 @@ def test_pyvista_volumes_and_blocks(pv, silent):
     blocks = pv.MultiBlock([ball, grid])
     with pytest.warns(raio.SceneWarning, match="1 of 2 blocks"):
         assert len(raio.from_pyvista(blocks, scalars="v")) == 48 + len(smooth)
+    ball.point_data["c"] = np.full((ball.n_points, 4), 100, np.uint8)
+    with pytest.warns(raio.SceneWarning, match="opacities of 'c'"):
+        raio.from_pyvista(ball, scalars="c")
+    ball.point_data["c"] = np.full((ball.n_points, 3), 100)
+    with pytest.raises(TypeError, match="colours of int64"):
+        raio.from_pyvista(ball, scalars="c")
+    with pytest.warns(raio.SceneWarning, match="no cells"):
+        raio.from_pyvista(pv.PolyData())
     with pytest.raises(ValueError, match="no 'w', but v"):
         raio.from_pyvista(grid, scalars="w")
 
@@ -407,6 +415,10 @@ def test_ovito_shapes():
     assert scene.bounds[1] == pytest.approx((2, 1, 3), abs=1e-5)
     particles.vis.shape = ParticlesVis.Shape.Box
     with pytest.warns(raio.SceneWarning, match="Box"):
+        raio.from_ovito(data)
+    particles.vis.shape = ParticlesVis.Shape.Sphere
+    particles.create_property("Force", data=[[1, 0, 0]]).vis.enabled = True
+    with pytest.warns(raio.SceneWarning, match="arrows are left out: Force"):
         raio.from_ovito(data)
 
 
