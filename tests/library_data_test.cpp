@@ -189,6 +189,30 @@ TEST_F(LibraryData, PicturesAreDisplayedAndEncodedInMemory) {
   EXPECT_THROW((void)film.encode(".gif"), raio::Error);
 }
 
+TEST_F(LibraryData, DisplayedPicturesAreThoseOfFiles) {
+  const raio::Film film = raio::Job(molecule(), small()).run();
+  const std::vector<uint8_t> shown = film.display();
+  const std::string pixels = film.encode(".ppm");
+  const size_t head = pixels.size() - shown.size() / 4 * 3;
+  for (size_t i = 0; i < shown.size() / 4; ++i)
+    for (size_t k = 0; k < 3; ++k)
+      ASSERT_EQ(shown[4 * i + k], uint8_t(pixels[head + 3 * i + k])) << i;
+}
+
+TEST_F(LibraryData, FilesInMemoryAreReadWithSettings) {
+  const std::string text = "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n";
+  const raio::Scene all = raio::Scene::parse(text, "a.xyz", {});
+  EXPECT_EQ(all.to_bytes(), molecule().to_bytes());
+  const raio::Settings one = raio::Settings().set("only", "element O");
+  EXPECT_EQ(raio::Scene::parse(text, "a.xyz", one).primitive_count(), 1u);
+  try {
+    raio::Scene::parse("3\n\nO 0 0\n", "b.xyz", {});
+    FAIL() << "nothing was refused";
+  } catch (const raio::Error& error) {
+    EXPECT_EQ(error.file(), "b.xyz");
+  }
+}
+
 TEST_F(LibraryData, ColoursBecomeLight) {
   EXPECT_EQ(raio::parse_color("0.1,0.2,0.3"), (raio::Triple{0.1f, 0.2f, 0.3f}));
   EXPECT_NEAR(raio::parse_color("#808080")[0], 0.2158, 1e-3);

@@ -6,6 +6,7 @@ left out with a SceneWarning.
 """
 
 import re
+import sys
 import warnings
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
@@ -25,7 +26,11 @@ Array = npt.NDArray[Any]
 
 
 def _warn(text: str) -> None:
-    warnings.warn(text, SceneWarning, stacklevel=3)
+    # Names the line of the user.
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back and frame.f_globals["__name__"] == __name__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, SceneWarning, stacklevel=level)
 
 
 # --- atoms
@@ -73,8 +78,8 @@ def from_mdanalysis(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     Kept, as far as present: positions (angstroms), elements, names, residues, chains (chainIDs, else
     segments), temperature factors, occupancies, bonds and the box. Options are those of load(), with
     the selections of the command line: `style="sticks"`, `color_by="chain"`, `only="protein"`.
-    Atoms without elements get them from their names, with a warning. Listed bonds are added to those
-    found by distance. Velocities, forces and virtual sites' masses are not drawn.
+    `cell=True` draws the box. Atoms without elements get them from their names, with a warning. Listed bonds are added to those
+    found by distance. Velocities and forces are not drawn.
     """
     group = getattr(atoms, "atoms", None)
     if group is None or not hasattr(group, "positions"):
@@ -110,7 +115,7 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
 
     Kept, as far as present: positions (angstroms), elements, names, residues, chains, B factors,
     occupancies, the box, and bonds, which are added to those found by distance. Options are those of
-    load(): `style="ball-and-stick"`, `color_by="residue"`, `only="ligand"`. Of an AtomArrayStack,
+    load(): `style="ball-and-stick"`, `color_by="residue"`, `only="ligand"`, `cell=True`. Of an AtomArrayStack,
     the first model is drawn, with a warning. Charges and orders of bonds are not drawn.
     """
     if not hasattr(atoms, "get_annotation_categories"):
@@ -411,6 +416,13 @@ def from_pyvista(dataset: Any, *, scalars: str | None = None, cmap: Any = "virid
     scene = Scene()
     diagonal = float(np.linalg.norm(np.subtract(dataset.bounds[1::2], dataset.bounds[::2])))
     ends = _ends(surfaces, scalars, vmin, vmax)
+    if not any(s.n_cells for s in surfaces):
+        _warn("the dataset has no cells to draw")
+    for values in (_values(s, scalars)[0] for s in surfaces):
+        if values is not None and values.ndim == 2 and values.shape[1] == 4 and (
+                values[:, 3] < (255 if values.dtype == np.uint8 else 1)).any():
+            _warn(f"the opacities of {scalars!r} are left out")
+            break
     for surface in surfaces:
         _add_surface(scene, surface, scalars, (cmap, *ends), color, opacity, smooth,
                      radius or 0.004 * diagonal or 1.0)
@@ -433,6 +445,9 @@ def _values(surface: Any, scalars: str | None) -> tuple[Array | None, bool]:
     for data, by_cell in ((surface.point_data, False), (surface.cell_data, True)):
         if scalars in data:
             values = np.asarray(data[scalars])
+            if values.ndim == 2 and values.dtype.kind in "iu" and values.dtype != np.uint8:
+                raise TypeError(f"scalars: {scalars!r} has colours of {values.dtype}; expected uint8 "
+                                f"for 0 to 255, or floats for 0 to 1")
             if values.ndim == 1 or values.shape[1] in (3, 4):
                 return values, by_cell
             raise ValueError(f"scalars: {scalars!r} has the shape {values.shape}; expected (N,), or "
@@ -543,6 +558,10 @@ def from_ovito(data: Any) -> Scene:
         colors, radii = _ovito_particles(scene, particles)
         if particles.bonds is not None and particles.bonds.count:
             _ovito_bonds(scene, particles, cell, colors)
+        arrows = [name for name in particles.keys()
+                  if getattr(getattr(particles[name], "vis", None), "enabled", False)]
+        if arrows:
+            _warn(f"arrows are left out: {', '.join(arrows)}")
     if cell is not None and cell.vis is not None and cell.vis.enabled and cell.vis.render_cell:
         _ovito_cell(scene, cell)
     for surface in data.surfaces.values():

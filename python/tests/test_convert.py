@@ -76,8 +76,9 @@ def test_ase_values(ase, silent):
 def test_ase_warns_and_refuses(ase):
     atoms = ase.Atoms("X", [[0, 0, 0]], cell=[3, 0, 0])
     with pytest.warns(raio.SceneWarning, match="three sides"), pytest.warns(
-            raio.SceneWarning, match="labels that are not elements"):
+            raio.SceneWarning, match="labels that are not elements") as told:
         raio.from_ase(atoms)
+    assert told[0].filename == __file__
     with pytest.raises(ValueError, match="atom 0"):
         raio.from_ase(ase.Atoms("H", [[np.nan, 0, 0]]))
     with pytest.raises(ValueError, match="at least one"):
@@ -269,6 +270,28 @@ def test_trimesh_scene(trimesh, silent):
     assert hit(made, [0, 0, 20], [0, 0, -1]) == pytest.approx(10.5, abs=1e-4)
 
 
+def test_trimesh_like_the_file(trimesh, tmp_path: Path, silent):
+    ball = trimesh.creation.icosphere(1)
+    ball.visual.vertex_colors = trimesh.visual.interpolate(ball.vertices[:, 2], "viridis")
+    scene = trimesh.Scene()
+    for x in (0, 3):
+        scene.add_geometry(ball, geom_name="ball",
+                           transform=trimesh.transformations.translation_matrix([x, x / 3, 0]))
+    scene.camera = trimesh.scene.Camera(fov=(60, 45), resolution=(64, 48))
+    scene.camera_transform = trimesh.transformations.translation_matrix([1.5, 0.5, 6])
+    made = raio.from_trimesh(scene)
+    tops = made.render(channels=["depth"], **SMALL)["depth"]
+    assert np.nanmin(tops) == pytest.approx(5, abs=0.1)
+    scene.export(tmp_path / "a.glb")
+    read = raio.load(tmp_path / "a.glb")
+    assert len(made) == len(read) == 160
+    view = {"from_": (1.5, 0.5, 6), "at": (1.5, 0.5, 0), "up": (0, 1, 0), "fov": 45, **SMALL}
+    # trimesh writes displayed colours where glTF has light.
+    a, b = (s.render(channels=["depth"], **view)["depth"] for s in (made, read))
+    assert np.allclose(a, b, atol=1e-4, equal_nan=True)
+    assert same(made.render(**SMALL), made.render(**view))
+
+
 # --- PyVista
 
 
@@ -333,6 +356,14 @@ def test_pyvista_volumes_and_blocks(pv, silent):
     blocks = pv.MultiBlock([ball, grid])
     with pytest.warns(raio.SceneWarning, match="1 of 2 blocks"):
         assert len(raio.from_pyvista(blocks, scalars="v")) == 48 + len(smooth)
+    ball.point_data["c"] = np.full((ball.n_points, 4), 100, np.uint8)
+    with pytest.warns(raio.SceneWarning, match="opacities of 'c'"):
+        raio.from_pyvista(ball, scalars="c")
+    ball.point_data["c"] = np.full((ball.n_points, 3), 100)
+    with pytest.raises(TypeError, match="colours of int64"):
+        raio.from_pyvista(ball, scalars="c")
+    with pytest.warns(raio.SceneWarning, match="no cells"):
+        raio.from_pyvista(pv.PolyData())
     with pytest.raises(ValueError, match="no 'w', but v"):
         raio.from_pyvista(grid, scalars="w")
 
@@ -384,6 +415,10 @@ def test_ovito_shapes():
     assert scene.bounds[1] == pytest.approx((2, 1, 3), abs=1e-5)
     particles.vis.shape = ParticlesVis.Shape.Box
     with pytest.warns(raio.SceneWarning, match="Box"):
+        raio.from_ovito(data)
+    particles.vis.shape = ParticlesVis.Shape.Sphere
+    particles.create_property("Force", data=[[1, 0, 0]]).vis.enabled = True
+    with pytest.warns(raio.SceneWarning, match="arrows are left out: Force"):
         raio.from_ovito(data)
 
 
