@@ -130,7 +130,11 @@ function render({ model, el }) {
     { passive: false },
   );
 
-  model.send({ type: "hello" });
+  try {
+    model.send({ type: "hello" });
+  } catch {
+    // A page without Python shows the still picture.
+  }
   return () => {
     end.abort();
     clearTimeout(timer);
