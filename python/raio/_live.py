@@ -69,7 +69,7 @@ class Pace:
 class Live:
     """The pictures of a scene for one front end, which sends gestures and acknowledges frames.
 
-    Messages in: {"type": "hello"}, {"type": "ack", "frame"}, {"type": "turn" or "pan", "dx", "dy",
+    Messages in: {"type": "hello"}, {"type": "ack", "frame", "gestures"}, {"type": "turn" or "pan", "dx", "dy",
     "height"}, {"type": "zoom", "x", "y", "steps"}, {"type": "reset"}. Out: {"type": "frame",
     "frame", "samples", "of", "moving"} with a PNG, {"type": "stage", "text"} and {"type": "error",
     "text"}. Without acknowledgements nothing is rendered: front ends that are gone cost nothing.
@@ -109,6 +109,9 @@ class Live:
         with self._news:
             if kind == "ack":
                 self._acknowledged = max(self._acknowledged, int(message.get("frame", 0)))
+                if gestures := message.get("gestures"):
+                    self._gestures += gestures
+                    self._last_gesture = time.monotonic()
             elif kind == "hello":
                 self._is_greeted = self._is_greeted_again = True
                 self._acknowledged = self._sent

@@ -1,6 +1,6 @@
 // Draws the frames of python/raio/_live.py to a canvas, and sends the mouse's gestures.
 const CLICK = 4; // pixels that a click may move
-const PAUSE = 30; // least time between messages, ms
+const PAUSE = 60; // between gestures that no frame acknowledges, ms
 
 function render({ model, el }) {
   const [width, height] = model.get("_size");
@@ -37,6 +37,9 @@ function render({ model, el }) {
     text.textContent = words;
     text.classList.toggle("raio-error", isError);
   };
+  let waiting = []; // gestures that were not sent yet; alike ones are added up
+  let timer = 0;
+  let sent = 0;
   const receive = async (message, buffers) => {
     if (message.type === "stage") say(message.text, false);
     if (message.type === "error") say(message.text, true);
@@ -51,7 +54,13 @@ function render({ model, el }) {
     bar.style.width = done < 1 ? 100 * done + "%" : "0";
     canvas.dataset.frame = message.frame;
     canvas.dataset.samples = message.moving ? 0 : message.samples;
-    model.send({ type: "ack", frame: message.frame });
+    // One message instead of many: each costs the page and the kernel some milliseconds.
+    const gestures = waiting;
+    waiting = [];
+    clearTimeout(timer);
+    timer = 0;
+    if (gestures.length) sent = performance.now();
+    model.send({ type: "ack", frame: message.frame, gestures });
   };
   model.on("msg:custom", receive);
   // The picture of a notebook that is shown without Python, too.
@@ -60,9 +69,6 @@ function render({ model, el }) {
 
   // --- gestures
 
-  let waiting = []; // gestures that were not sent yet; alike ones are added up
-  let timer = 0;
-  let sent = 0;
   const flush = () => {
     timer = 0;
     sent = performance.now();
@@ -130,7 +136,11 @@ function render({ model, el }) {
     { passive: false },
   );
 
-  model.send({ type: "hello" });
+  try {
+    model.send({ type: "hello" });
+  } catch {
+    // A page without Python shows the still picture.
+  }
   return () => {
     end.abort();
     clearTimeout(timer);

@@ -103,7 +103,7 @@ def test_turns_and_comes_back():
         assert message["samples"] == 1 and small.shape[0] <= 48
         _, turned = front.frame(is_complete)
         assert (turned != before).any()
-        front.say("reset")
+        front.say("ack", frame=message["frame"], gestures=[{"type": "reset"}])
         _, again = front.frame(is_complete)
         assert (again == before).all()
 
