@@ -69,9 +69,14 @@ class RAIO_API Error : public std::runtime_error {
 struct Material {
   Triple color{0.8, 0.8, 0.8};
   double kd = 0.8, ks = 0;
-  double shine = 1;         ///< the highlight's exponent
-  double transmission = 0;  ///< 0 opaque
-  double ior = 1;           ///< index of refraction inside, above 0
+  double shine = 1;          ///< the highlight's exponent
+  double transmission = 0;   ///< 0 opaque
+  double ior = 1;            ///< index of refraction inside, above 0
+  Triple specular{1, 1, 1};  ///< colour of highlights and mirror reflection
+  double roughness = 0;      ///< spread of reflected and refracted rays (docs/shading.md)
+  double opacity = 1;        ///< of primitives without their own, 0 to 1
+  /// A texture of add_texture(), multiplied by the colour on meshes with texture coordinates.
+  std::optional<uint32_t> texture = std::nullopt;
 };
 
 /// Perspective or parallel rays. Objects at the distance of the point looked at are equally large
@@ -85,7 +90,8 @@ struct Camera {
 };
 
 /// `count` elements of N numbers each in the caller's memory: the first at `data`, each `stride`
-/// bytes (may be negative, not zero) after the previous one. Without `keep` they are copied.
+/// bytes (may be negative) after the previous one; 0: all are the first. Without `keep` they are
+/// copied.
 ///
 /// With `keep`, which owns the memory, they are read in place, with any stride and alignment.
 /// Nothing is copied: `keep` is held until the last scene, job or structure that reads them is
@@ -112,6 +118,8 @@ struct Appearance {
   Column<float> opacity;
 };
 
+class Settings;
+
 /// A scene. Copies are independent of each other.
 class RAIO_API Scene {
  public:
@@ -123,8 +131,12 @@ class RAIO_API Scene {
   Scene& operator=(Scene&&) noexcept;
   ~Scene();
 
-  /// Reads a scene file of any supported format. The error states its first fault, with line and
-  /// column.
+  /// Empty, for a figure of data: like a file of atoms, points or meshes, it is lit from everywhere
+  /// (docs/ambient.md) unless settings or lights say otherwise, and its background is white.
+  static Scene figure();
+  /// Reads a scene file of any supported format, with the reader's settings (`style`, `color-by`).
+  /// The error states its first fault, with line and column.
+  static Scene read(const std::string& path, const Settings& settings);
   static Scene read(const std::string& path);
   /// The same for NFF in memory; messages use `name` as the file name.
   static Scene parse_nff(std::string_view text, std::string_view name = "scene");
@@ -140,17 +152,26 @@ class RAIO_API Scene {
 
   void set_camera(const Camera& camera);
   Camera camera() const;
+  /// Fits the camera to all finite primitives, seen in this direction (from the camera), or else at
+  /// an angle from above, with the projection and angle of the current camera. `margin`: the free
+  /// space on each side, as a fraction of the picture's size, below 0.5.
+  void fit_camera(std::optional<Triple> direction = std::nullopt, Triple up = {0, 0, 1},
+                  double margin = 0);
   /// Replaces the background, or a sky.
   void set_background(Triple color);
   /// Adds a point light; without a colour it is white, and n such lights have 1 / sqrt(n) each.
-  void add_light(Triple position, std::optional<Triple> color = std::nullopt);
+  /// With the setting `soft-shadows` it is a square of this size (scene units), if not 0.
+  void add_light(Triple position, std::optional<Triple> color = std::nullopt, double size = 0);
 
   /// Returns the material's number for primitives added later; scenes made in code start with
   /// material 0.
   uint32_t add_material(const Material& material);
+  /// Copies a picture of `width` x `height` pixels, three bytes each, row by row from the top, and
+  /// returns its number.
+  uint32_t add_texture(uint32_t width, uint32_t height, const uint8_t* rgb);
 
-  // The columns of one call must have equal counts. After an error (null pointer, stride of 0,
-  // different counts, invalid numbers) the scene is unchanged. Radii must not be negative.
+  // The columns of one call must have equal counts. After an error (null pointer, different counts,
+  // invalid numbers) the scene is unchanged. Radii must not be negative.
 
   void add_spheres(const Column<float, 3>& centers, const Column<float>& radii,
                    const Appearance& look = {});
@@ -169,6 +190,12 @@ class RAIO_API Scene {
   /// smooth.
   void add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                      const Column<float, 3>& normals = {}, const Appearance& look = {});
+
+  /// Triangles with a colour per vertex, multiplied by that of the material, or texture
+  /// coordinates: (0, 0) is the lower left corner of a texture, (1, 1) the upper right one.
+  void add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                const Column<float, 3>& normals, const Column<float, 2>& uv,
+                const Column<float, 3>& vertex_colors, uint32_t material = 0);
 
   /// Spheres that move uniformly from `starts` at the time `begin` to `ends` at `end`; they rest
   /// before and after. The setting `shutter` selects the times that a picture covers.
@@ -210,7 +237,8 @@ class RAIO_API Scene {
   std::unique_ptr<Data> data_;
 };
 
-/// How to render: the options of the command line under the same names, without dashes.
+/// How to read a scene and to render it: the options of the command line under the same names,
+/// without dashes.
 class RAIO_API Settings {
  public:
   Settings();
@@ -251,13 +279,15 @@ class RAIO_API Settings {
     std::vector<std::string> words;      ///< allowed values; empty: no fixed list
     /// "switch", "integer", "number", "words", "vector", "color", "size", "list" or "text".
     std::string type;
+    bool of_reader = false;     ///< for Scene::read()
     std::string unit;           ///< "degrees", "scene units"; empty: none
     std::string default_value;  ///< empty: the scene or another setting decides, see `help`
     std::optional<double> minimum, maximum;  ///< of numbers
     std::vector<std::string> integrators;    ///< others refuse the option
     std::vector<std::string> excludes;       ///< options that cannot be combined with it
   };
-  /// All options, in the order of the command line's help, and those of long renders.
+  /// All options, in the order of the command line's help: of readers (Scene::read), of pictures,
+  /// and of long renders.
   static std::vector<Option> options();
 
   struct Data;
@@ -265,6 +295,7 @@ class RAIO_API Settings {
 
  private:
   friend class Film;
+  friend class Scene;
   Settings& set_numbers(std::string_view name, const double* values, size_t count);
   std::unique_ptr<Data> data_;
 };
@@ -313,7 +344,9 @@ class RAIO_API Accel {
  public:
   /// Builds the structure selected by the settings `accel`, `grid-factor`, `grid-resolution`,
   /// `one-sided` and `counters`, with `threads` threads.
-  explicit Accel(Scene scene, const Settings& settings = {});
+  /// Primitives that are those of `like`, in the whole scene or in a prototype, share its trees:
+  /// other colours, lights and cameras cost nothing.
+  explicit Accel(Scene scene, const Settings& settings = {}, const Accel* like = nullptr);
 
   Hit closest(const Ray& ray) const;
   /// Whether there is any hit. Faster than closest().
@@ -321,6 +354,23 @@ class RAIO_API Accel {
   /// The same for `count` rays on the calling thread, which is faster than one by one.
   void closest(size_t count, const Ray* rays, Hit* hits) const;
   void occluded(size_t count, const Ray* rays, uint8_t* occluded) const;
+
+  /// The hits of many rays as arrays of the caller; null pointers are not filled in. See Hit.
+  struct Hits {
+    float* distance = nullptr;  ///< infinite: none
+    uint8_t* kind = nullptr;
+    int64_t* index = nullptr;     ///< -1: none
+    int64_t* instance = nullptr;  ///< -1: none
+    float* position = nullptr;    ///< three numbers each; NaN: none
+    float* normal = nullptr;      ///< three numbers each; 0: none
+    float* uv = nullptr;          ///< two numbers each
+  };
+  /// Traces rays with the threads of the caller's Executor. Directions may have any length but 0;
+  /// `lengths` limits them.
+  void closest(const Column<float, 3>& origins, const Column<float, 3>& directions,
+               const Column<float>& lengths, const Hits& hits) const;
+  void occluded(const Column<float, 3>& origins, const Column<float, 3>& directions,
+                const Column<float>& lengths, uint8_t* occluded) const;
 
   struct Info {
     std::string kind;       ///< "bvh", "grid", "embree" or "none"
@@ -427,6 +477,10 @@ class RAIO_API Film {
   /// Red, green, blue and coverage per pixel, row by row from the top: display values for the
   /// classic shading, not clamped; premultiplied. Pixels without samples are black.
   std::vector<float> rgba() const;
+  /// The picture as PNG displays it: red, green, blue, opacity of each pixel, row by row; straight.
+  std::vector<uint8_t> display() const;
+  /// The bytes of a picture file: format ".png", ".exr", ".npz", ".npy", ".ppm" or ".pfm".
+  std::string encode(std::string_view format) const;
   /// The names of the requested channels ("depth", "normal").
   std::vector<std::string> channels() const;
   /// The values of a channel, `components` per pixel, row by row. The error names the available
@@ -481,6 +535,16 @@ class RAIO_API Job {
   struct Data;
   std::unique_ptr<Data> data_;
 };
+
+/// The light of a colour: a name, "#rrggbb", both of display values, or "r,g,b".
+RAIO_API Triple parse_color(std::string_view text);
+
+/// Converts display values (sRGB, 0 to 1) to light.
+RAIO_API void to_linear(float* values, size_t count);
+
+/// The light of the 256 colours of a map, three numbers each: "viridis", "plasma", "cividis" or
+/// "coolwarm".
+RAIO_API std::vector<float> colormap(std::string_view name);
 
 /// "0.2.0".
 RAIO_API std::string version();

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "base/parallel.h"
@@ -102,19 +104,34 @@ Hit hit_of(const Accel::Data& data, const core::Ray& ray, const core::Hit& found
   return hit;
 }
 
+// Whether anything is hit, of rays of this batch.
+void find_occluded(const Accel::Data& data, Scratch& scratch, size_t n, TraceContext& context) {
+  scratch.occluded.resize(padded(n));
+  data.accel->occluded(scratch.rays, scratch.occluded.data(), context);
+  if (!data.accel->geometry().any_transparent()) return;
+  scratch.depths.reset(n, scratch.occluded.data());
+  data.accel->transparent_depths(scratch.rays, scratch.depths, context);
+  for (size_t i = 0; i < n; ++i) scratch.occluded[i] = scratch.depths.sum[i] > 0;
+}
+
 }  // namespace
 
-Accel::Accel(Scene scene, const Settings& settings) {
+Accel::Accel(Scene scene, const Settings& settings, const Accel* like) {
   guarded_work(settings.data().options.threads, [&] {
     const auto data = std::make_shared<Data>();
     data->scene = std::move(scene.data_->scene);
     data->has_background = scene.data_->has_background;
+    data->read = scene.data_->read;
     data->options = settings.data().options;
     if (const auto problems = validate(data->scene); !problems.empty()) refuse(problems.front());
     if (const auto why = option_conflict(data->options)) fail(*why);
     const RenderSettings resolved = resolve_options(data->options, data->scene);
     data->options.accel = resolved.accel;
-    auto accel = build_accel(data->scene, resolved.accel, resolved.one_sided, true);
+    const bool is_alike = like && like->data_->options.accel == resolved.accel &&
+                          like->data_->options.one_sided == resolved.one_sided;
+    data->options.one_sided = resolved.one_sided;
+    auto accel = build_accel(data->scene, resolved.accel, resolved.one_sided, true,
+                             is_alike ? like->data_->accel.get() : nullptr);
     if (!accel) fail(accel.error());
     data->accel = std::move(*accel);
     data_ = data;
@@ -136,15 +153,89 @@ void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
   guarded([&] {
     in_batches(*data_, count, rays, occluded,
                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
-                 scratch.occluded.resize(padded(n));
-                 data_->accel->occluded(scratch.rays, scratch.occluded.data(), context);
-                 if (data_->accel->geometry().any_transparent()) {
-                   scratch.depths.reset(n, scratch.occluded.data());
-                   data_->accel->transparent_depths(scratch.rays, scratch.depths, context);
-                   for (size_t i = 0; i < n; ++i) scratch.occluded[i] = scratch.depths.sum[i] > 0;
-                 }
+                 find_occluded(*data_, scratch, n, context);
                  std::copy_n(scratch.occluded.begin(), n, occluded + first);
                });
+  });
+}
+
+namespace {
+
+// Calls trace(scratch, first, count, context) for chunks of the rays, on all threads.
+template <class Trace>
+void in_parallel(const Accel::Data& data, const Column<float, 3>& origins,
+                 const Column<float, 3>& directions, const Column<float>& lengths,
+                 const Trace& trace) {
+  const size_t count = origins.count;
+  if (directions.count != count || (lengths.data && lengths.count != count))
+    refuse(fmt::format("found {} origins, but {} directions{}", count, directions.count,
+                       lengths.data ? fmt::format(" and {} lengths", lengths.count) : ""));
+  if (count > 0 && !(origins.data && directions.data)) refuse("the rays are a null pointer");
+  // Rows may lie anywhere.
+  const auto at = [](const auto& column, size_t i, size_t k) {
+    float value = 0;
+    const char* const row =
+        reinterpret_cast<const char*>(column.data) + ptrdiff_t(i) * column.stride;
+    std::memcpy(&value, row + k * sizeof(float), sizeof value);
+    return value;
+  };
+  const auto triple_at = [&](const Column<float, 3>& column, size_t i) {
+    return Triple{double(at(column, i, 0)), double(at(column, i, 1)), double(at(column, i, 2))};
+  };
+  constexpr size_t kBatch = 4096;
+  PerThread<Scratch> scratches;
+  parallel_for((count + kBatch - 1) / kBatch, [&](size_t batch) {
+    Scratch& scratch = scratches.local();
+    TraceContext context;
+    const size_t first = batch * kBatch, n = std::min(kBatch, count - first);
+    scratch.rays.resize(n);
+    for (size_t i = first; i < first + n; ++i) {
+      Ray ray{triple_at(origins, i), triple_at(directions, i)};
+      if (lengths.data) ray.length = double(at(lengths, i, 0));
+      scratch.rays.set(i - first, ray_of(ray, i, data.scene.origin));
+    }
+    trace(scratch, first, n, context);
+  });
+}
+
+}  // namespace
+
+void Accel::closest(const Column<float, 3>& origins, const Column<float, 3>& directions,
+                    const Column<float>& lengths, const Hits& hits) const {
+  const bool only_distance =
+      !(hits.kind || hits.index || hits.instance || hits.position || hits.normal || hits.uv);
+  guarded_work(0, [&] {
+    in_parallel(*data_, origins, directions, lengths,
+                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
+                  data_->accel->closest_of_all(scratch.rays, scratch.hits, context);
+                  for (size_t i = 0; i < n; ++i) {
+                    const size_t to = first + i;
+                    if (hits.distance) hits.distance[to] = scratch.hits[i].t;
+                    if (only_distance) continue;
+                    const Hit hit = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
+                    const bool found = hit.found();
+                    if (hits.kind) hits.kind[to] = uint8_t(hit.kind);
+                    if (hits.index) hits.index[to] = found ? int64_t(hit.index) : -1;
+                    if (hits.instance) hits.instance[to] = hit.instance;
+                    for (size_t k = 0; k < 3; ++k) {
+                      if (hits.position)
+                        hits.position[3 * to + k] = found ? float(hit.position[k]) : NAN;
+                      if (hits.normal) hits.normal[3 * to + k] = float(hit.normal[k]);
+                    }
+                    if (hits.uv) hits.uv[2 * to] = float(hit.u), hits.uv[2 * to + 1] = float(hit.v);
+                  }
+                });
+  });
+}
+
+void Accel::occluded(const Column<float, 3>& origins, const Column<float, 3>& directions,
+                     const Column<float>& lengths, uint8_t* occluded) const {
+  guarded_work(0, [&] {
+    in_parallel(*data_, origins, directions, lengths,
+                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
+                  find_occluded(*data_, scratch, n, context);
+                  std::copy_n(scratch.occluded.begin(), n, occluded + first);
+                });
   });
 }
 

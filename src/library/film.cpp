@@ -118,6 +118,9 @@ Settings Film::settings() const {
     Settings settings;
     Settings::Data& all = *settings.data_;
     all.options = *std::move(options);
+    auto read = read_options_from(header.settings);
+    if (!read) fail(read.error());
+    all.read = *std::move(read);
     all.shard = header.shard, all.shards = header.shards, all.sample_range = header.samples;
     return settings;
   });
@@ -159,6 +162,33 @@ std::vector<float> Film::rgba() const {
       out.insert(out.end(), {c.x, c.y, c.z, alpha.empty() ? 1.0f : alpha[i]});
     }
     return out;
+  });
+}
+
+std::vector<uint8_t> Film::display() const {
+  return guarded_work(data_->threads, [&] {
+    const auto picture = finished_picture(data_->part, ".png");
+    if (!picture) fail(picture.error());
+    const auto& [color, alpha, layers, dpi] = *picture;
+    std::vector<uint8_t> out(4 * color.pixels.size());
+    for_each_index(color.pixels.size(), [&](size_t i) {
+      const float covered = alpha.empty() ? 1 : alpha[i];
+      const Rgb c = covered > 0 ? color.pixels[i] / covered : Rgb();
+      for (int k = 0; k < 3; ++k) out[4 * i + size_t(k)] = to_byte(c[k]);
+      out[4 * i + 3] = to_byte(covered);
+    });
+    return out;
+  });
+}
+
+std::string Film::encode(std::string_view format) const {
+  return guarded_work(data_->threads, [&] {
+    const std::string name = "picture" + std::string(format);
+    const auto picture = finished_picture(data_->part, name);
+    if (!picture) fail(picture.error());
+    auto bytes = encode_image(*picture, name, data_->part.header.settings);
+    if (!bytes) fail(bytes.error());
+    return *std::move(bytes);
   });
 }
 

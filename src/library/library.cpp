@@ -13,7 +13,11 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
+#include "base/srgb.h"
+#include "integrate/color_text.h"
+#include "io/colormaps.h"
 #include "render/job_options.h"
+#include "render/read_options.h"
 
 namespace raio::core::library {
 namespace {
@@ -65,12 +69,14 @@ const OptionSpec& spec_of(std::string_view name) {
   refuse(fmt::format("unknown setting '{}'", name));
 }
 
-// Calls use(entry) for the option of that name, of the picture or of the job.
+// Calls use(entry) for the option of that name, of the picture, the job or the reader.
 template <class F>
 auto with_entry(std::string_view name, const F& use) {
-  const auto jobs = job_option_table();
-  const auto of_job = std::ranges::find(jobs, name, &JobOptionSpec::name);
-  return of_job != jobs.end() ? use(*of_job) : use(spec_of(name));
+  for (const JobOptionSpec& spec : job_option_table())
+    if (spec.name == name) return use(spec);
+  for (const ReadOptionSpec& spec : read_option_table())
+    if (spec.name == name) return use(spec);
+  return use(spec_of(name));
 }
 
 }  // namespace
@@ -97,6 +103,7 @@ Settings& Settings::set(std::string_view name, std::string_view value) {
 
     auto operator()(const OptionSpec& spec) const { return spec.set(request.options, value); }
     auto operator()(const JobOptionSpec& spec) const { return spec.set(request, value); }
+    auto operator()(const ReadOptionSpec& spec) const { return spec.set(request.read, value); }
   };
   guarded([&] {
     const bool is_word = value == "true" || value == "false";
@@ -123,6 +130,7 @@ std::string Settings::get(std::string_view name) const {
 
     std::string operator()(const OptionSpec& spec) const { return spec.text(request.options); }
     std::string operator()(const JobOptionSpec& spec) const { return spec.text(request); }
+    std::string operator()(const ReadOptionSpec& spec) const { return spec.text(request.read); }
   };
   return with_entry(name, Get{*data_});
 }
@@ -149,6 +157,10 @@ Settings::Option described(const OptionEntry<Options>& entry) {
 
 std::vector<Settings::Option> Settings::options() {
   std::vector<Option> all;
+  for (const ReadOptionSpec& spec : read_option_table()) {
+    all.push_back(described(spec));
+    all.back().of_reader = true;
+  }
   for (const OptionSpec& spec : render_option_table()) {
     const auto excluded = excluded_by(spec);
     all.push_back(described(spec));
@@ -197,6 +209,15 @@ RenderOptions options_with(const Accel::Data& built, RenderOptions options) {
   return options;
 }
 
+// The picture's settings tell how its scene was read.
+void take_read(ReadOptions& read, const ReadOptions& of_scene) {
+  for (const ReadOptionSpec& spec : read_option_table())
+    if (const std::string asked = spec.text(read);
+        asked != spec.text(kForPictures) && asked != spec.text(of_scene))
+      refuse(fmt::format("{} is for reading a file; give it where the scene is read", spec.name));
+  read = of_scene;
+}
+
 // Data files get the background of the style, unless another was set.
 void take_background(RenderOptions& options, const core::Scene& scene, bool has_background) {
   const bool shows_light =
@@ -213,6 +234,7 @@ Job::Job(const Scene& scene, const Settings& settings, std::optional<Film> begun
     request.loaded = std::make_shared<const core::Scene>(scene.data().scene);
     if (const auto problems = validate(*request.loaded); !problems.empty())
       refuse(problems.front());
+    take_read(request.read, scene.data().read);
     take_background(request.options, *request.loaded, scene.data().has_background);
     data_ = std::make_unique<Data>(std::move(request), std::move(begun));
   });
@@ -225,6 +247,7 @@ Job::Job(const Accel& accel, const Settings& settings, std::optional<Film> begun
     request.options = options_with(*built, std::move(request.options));
     request.loaded = {built, &built->scene};
     request.built = {built, built->accel.get()};
+    take_read(request.read, built->read);
     take_background(request.options, built->scene, built->has_background);
     data_ = std::make_unique<Data>(std::move(request), std::move(begun));
     if (data_->job.settings().accel.counters && !built->options.accel.counters)
@@ -346,6 +369,34 @@ void Executor::run(const std::function<void()>& work) {
 }
 
 void Executor::cancel() { data_->control.stop = true; }
+
+Triple parse_color(std::string_view text) {
+  return guarded([&] {
+    const auto color = core::parse_color(text, {.transparent = false});
+    if (!color) refuse(color.error());
+    return triple(Vec3d(color->encoded ? linear_from_srgb(color->color) : color->color));
+  });
+}
+
+void to_linear(float* values, size_t count) {
+  guarded_work(0, [&] {
+    for_each_index(count, [&](size_t i) { values[i] = linear_from_srgb(values[i]); });
+  });
+}
+
+std::vector<float> colormap(std::string_view name) {
+  return guarded([&] {
+    std::vector<float> colors;
+    for (int i = 0; i < kMapColors; ++i) {
+      const auto color = map_color(name, float(i) / float(kMapColors - 1));
+      if (!color)
+        refuse(
+            fmt::format("unknown colour map '{}', expected {}", name, fmt::join(kColormaps, ", ")));
+      colors.insert(colors.end(), {color->x, color->y, color->z});
+    }
+    return colors;
+  });
+}
 
 std::string version() { return RAIO_VERSION; }
 

@@ -58,7 +58,8 @@ namespace raio::inline v1 {
 struct Scene::Data {
   core::Scene scene;
   std::vector<std::string> warnings;
-  bool has_background = false;  // was set; data files have none
+  bool has_background = false;                  // was set; data files have none
+  core::ReadOptions read = core::kForPictures;  // of its file
 };
 
 // Members that were not set have their defaults.
@@ -74,6 +75,7 @@ struct Film::Data {
 struct Accel::Data {
   core::Scene scene;
   bool has_background = false;  // as in the Scene
+  core::ReadOptions read = {};  // likewise
   core::RenderOptions options;  // as resolved; only those of the structure matter
   std::unique_ptr<core::Accel> accel;
 };

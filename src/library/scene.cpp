@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <functional>
+#include <numbers>
 #include <utility>
 
+#include "base/exact_math.h"
+#include "io/fit_camera.h"
 #include "io/nff/nff.h"
 #include "io/raio/raio.h"
 #include "io/scene_file.h"
@@ -48,8 +52,23 @@ Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
-Scene Scene::read(const std::string& path) {
-  return guarded_work(0, [&] { return Scene(taken(read_scene(path, {.instances = true}))); });
+Scene Scene::figure() {
+  Scene scene;
+  scene.data_->scene.dialect = Dialect::data;
+  scene.data_->scene.materials = {{.color = Rgb(0.8f), .kd = 1}};
+  return scene;
+}
+
+Scene Scene::read(const std::string& path) { return read(path, {}); }
+
+Scene Scene::read(const std::string& path, const Settings& settings) {
+  return guarded_work(settings.data().options.threads, [&] {
+    ReadOptions read = settings.data().read;
+    read.instances = true;
+    Scene scene(taken(read_scene(path, read)));
+    scene.data_->read = std::move(read);
+    return scene;
+  });
 }
 
 Scene Scene::parse_nff(std::string_view text, std::string_view name) {
@@ -101,21 +120,78 @@ Camera Scene::camera() const {
           double(scene.camera.fov_deg), Projection(scene.camera.projection)};
 }
 
+void Scene::fit_camera(std::optional<Triple> direction, Triple up, double margin) {
+  guarded_work(0, [&] {
+    core::Scene& scene = data_->scene;
+    if (length(vec(up)) == 0 || !is_finite(vec(up)))
+      refuse("up: expected a finite direction other than zero");
+    if (!(margin >= 0 && margin < 0.5))
+      refuse(fmt::format("margin: expected a number from 0 up to 0.5, found {}", margin));
+    core::Camera camera = scene.camera;
+    camera.movement.reset();
+    if (camera.width == 0) camera.width = 1200, camera.height = 900;
+    if (direction) {
+      if (length(vec(*direction)) == 0 || !is_finite(vec(*direction)))
+        refuse("direction: expected a finite direction other than zero");
+      camera.up = Vec3f(normalize(vec(up)));
+      camera.at = {}, camera.from = Vec3f(normalize(vec(*direction)) * -1.0);
+      camera = fitted_along(scene, camera, Fit::all, camera.fov_deg);
+    } else {
+      camera = fitted_from(scene, camera, std::nullopt, Vec3f(normalize(vec(up))), Fit::all,
+                           camera.fov_deg);
+    }
+    const auto widened = [&](float degrees) {
+      constexpr double kHalf = std::numbers::pi / 360;
+      const double tangent = exact_tan(double(degrees) * kHalf) / (1 - 2 * margin);
+      return margin > 0 ? float(exact_atan(tangent) / kHalf) : degrees;
+    };
+    camera.fov_deg = widened(camera.fov_deg);
+    camera.horizontal_fov_deg = widened(camera.horizontal_fov_deg);
+    scene.camera = camera;
+  });
+}
+
 void Scene::set_background(Triple color) {
   data_->scene.background = rgb(color), data_->has_background = true;
   data_->scene.sky = nullptr, data_->scene.requests.sky_folder.clear();
 }
 
-void Scene::add_light(Triple position, std::optional<Triple> color) {
+void Scene::add_light(Triple position, std::optional<Triple> color, double size) {
   Light light{Vec3f(vec(position) - data_->scene.origin), {}};
   if (color) light.color = rgb(*color);
+  if (size > 0) light.extent = {.width = float(size), .depth = float(size)};
   data_->scene.lights.push_back(light);
 }
 
 uint32_t Scene::add_material(const Material& m) {
   return guarded([&] {
-    return data_->scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
-                                      float(m.transmission), float(m.ior)});
+    core::Scene& scene = data_->scene;
+    if (m.texture && *m.texture >= scene.textures.size())
+      refuse(fmt::format("unknown texture {}, expected a number below {}", *m.texture,
+                         scene.textures.size()));
+    return scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
+                               float(m.transmission), float(m.ior)},
+                              rgb(m.specular), float(m.roughness), float(m.opacity),
+                              m.texture.value_or(kNoTexture));
+  });
+}
+
+uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb) {
+  return guarded([&] {
+    core::Scene& scene = data_->scene;
+    const auto problem = [&](uint32_t side) { return side < 1 || side > kLargestTexture; };
+    if (problem(width) || problem(height) || !rgb)
+      refuse(fmt::format("a texture has 1 to {} pixels a side; found {} x {}", kLargestTexture,
+                         width, height));
+    const size_t first = scene.texels.size(), count = size_t(width) * height;
+    if (count > kMaxTexels - first)
+      refuse(fmt::format("the textures have more than {} pixels", kMaxTexels));
+    scene.texels.resize(first + count);
+    uint32_t* to = scene.texels.data() + first;
+    for (size_t i = 0; i < count; ++i, rgb += 3)
+      to[i] = uint32_t(rgb[0]) | uint32_t(rgb[1]) << 8 | uint32_t(rgb[2]) << 16;
+    scene.textures.push_back({uint32_t(first), width, height});
+    return uint32_t(scene.textures.size() - 1);
   });
 }
 
@@ -158,9 +234,6 @@ void check_part(const Part& p, std::string_view beside, size_t count) {
   if (p.count != count)
     refuse(fmt::format("found {} {} but {} {}", count, beside, p.count, p.name));
   if (count > 0 && !p.data) refuse(fmt::format("the {} are a null pointer", p.name));
-  if (p.stride == 0 && !p.name.empty())
-    refuse(
-        fmt::format("the stride of the {} is 0, expected the bytes from one to the next", p.name));
 }
 
 // The part, if the caller keeps its memory alive, else a copy.
@@ -376,6 +449,45 @@ Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
 }
 
 }  // namespace
+
+void Scene::add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                     const Column<float, 3>& normals, const Column<float, 2>& uv,
+                     const Column<float, 3>& vertex_colors, uint32_t material) {
+  guarded([&] {
+    core::Scene& scene = data_->scene;
+    if (material >= scene.materials.size())
+      refuse(fmt::format("unknown material {}, expected a number below {}", material,
+                         scene.materials.size()));
+    const auto attribute = [&]<class T>(const Part& p, T) {
+      if (p.given()) check_part(p, "positions", positions.count);
+      return p.given() ? gathered<T>({p}) : StridedArray<T>();
+    };
+    Mesh mesh;
+    auto points = gathered<Vec3f>({part("positions", positions)});
+    place(scene, points, std::identity());
+    for (size_t i = 0; i < points.size(); ++i)
+      if (!is_finite(std::as_const(points)[i])) refuse(fmt::format("position {} is not finite", i));
+    auto units = attribute(part("normals", normals), Vec3f());
+    make_unit(units, "vertex", std::identity());
+    const auto colors = attribute(part("vertex colours", vertex_colors), Rgb());
+    for (size_t i = 0; i < colors.size(); ++i)
+      if (const Rgb c = colors[i]; !is_finite(c) || c.x < 0 || c.y < 0 || c.z < 0)
+        refuse(fmt::format("vertex colour {} must be finite and not negative", i));
+    const auto places = attribute(part("texture coordinates", uv), Uv());
+    for (size_t i = 0; i < places.size(); ++i)
+      if (const Uv t = places[i]; !std::isfinite(t[0]) || !std::isfinite(t[1]))
+        refuse(fmt::format("texture coordinate {} is not finite", i));
+    mesh.triangles = gathered<TriangleIndices>({part("triangles", triangles)}).packed();
+    for (size_t i = 0; i < mesh.triangles.size(); ++i)
+      for (const uint32_t vertex : std::as_const(mesh.triangles)[i])
+        if (vertex >= points.size())
+          refuse(fmt::format("triangle {} refers to vertex {} of {}", i, vertex, points.size()));
+    mesh.positions = points.packed(), mesh.normals = units.packed();
+    mesh.colors = colors.packed(), mesh.uv = places.packed();
+    mesh.materials = {material};
+    scene.meshes.push_back(std::move(mesh));
+  });
+}
 
 void Scene::add_triangles(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                           const Column<float, 3>& normals, const Appearance& look) {

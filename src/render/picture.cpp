@@ -62,8 +62,11 @@ void tone_map(Image& image, std::span<const float> alpha, Tone tone, float expos
   });
 }
 
-std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
-                                         const Metadata& settings, const Overlay& overlay) {
+namespace {
+
+// As stored in a file of this name: with tone, exposure and overlay.
+std::expected<void, Error> finish(Picture& picture, const std::filesystem::path& path,
+                                  const Metadata& settings, const Overlay& overlay) {
   const auto options = options_from(settings, false);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
@@ -72,20 +75,42 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
   const Tone tone = options->tone.value_or(Tone::none);
   picture.dpi = options->dpi;
   if (for_displays) tone_map(picture.color, picture.alpha, tone, options->exposure);
-  if (overlay)
-    if (auto drawn = overlay(picture, !for_displays && tone != Tone::none); !drawn) return drawn;
-  return write_image(picture, path, settings);
+  return overlay ? overlay(picture, !for_displays && tone != Tone::none)
+                 : std::expected<void, Error>();
 }
 
-std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
-                                        const Overlay& overlay) {
-  if (is_part_path(path)) return write_part(path, part.header, *part.film);
+std::expected<Picture, Error> picture_of(const Part& part, const std::filesystem::path& path) {
   const auto options = options_from(part.header.settings, false);
   if (!options)
     return std::unexpected(Error{options.error().kind, path.string(), options.error().message});
   RenderSettings settings;
   settings.view = options->view;
-  return write_picture(picture_of(*part.film, settings), path, part.header.settings, overlay);
+  return picture_of(*part.film, settings);
+}
+
+}  // namespace
+
+std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
+                                         const Metadata& settings, const Overlay& overlay) {
+  if (auto done = finish(picture, path, settings, overlay); !done) return done;
+  return write_image(picture, path, settings);
+}
+
+std::expected<Picture, Error> finished_picture(const Part& part,
+                                               const std::filesystem::path& name) {
+  auto picture = picture_of(part, name);
+  if (picture)
+    if (auto done = finish(*picture, name, part.header.settings, {}); !done)
+      return std::unexpected(std::move(done.error()));
+  return picture;
+}
+
+std::expected<void, Error> write_result(const std::filesystem::path& path, const Part& part,
+                                        const Overlay& overlay) {
+  if (is_part_path(path)) return write_part(path, part.header, *part.film);
+  auto picture = picture_of(part, path);
+  if (!picture) return std::unexpected(std::move(picture.error()));
+  return write_picture(*std::move(picture), path, part.header.settings, overlay);
 }
 
 }  // namespace raio::core

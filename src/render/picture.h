@@ -34,6 +34,9 @@ using Overlay = std::function<std::expected<void, Error>(Picture&, bool linear)>
 std::expected<void, Error> write_picture(Picture picture, const std::filesystem::path& path,
                                          const Metadata& settings, const Overlay& overlay = {});
 
+/// The picture of a part with its settings, as write_picture() writes it to a file of this name.
+std::expected<Picture, Error> finished_picture(const Part& part, const std::filesystem::path& name);
+
 /// Why a picture with these channels, or a part file if the suffix is that of one, cannot be
 /// written to `path`: an unknown suffix, a format without the channels (bad_input), an unwritable
 /// place. Some failures cannot be predicted. Call it before long computations.

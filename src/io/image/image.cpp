@@ -108,8 +108,8 @@ std::string problem(const PictureView& picture, const Metadata& metadata) {
   return {};
 }
 
-std::expected<void, Error> write(const PictureView& picture, const fs::path& path,
-                                 const Metadata& metadata) try {
+std::expected<std::string, Error> checked_bytes(const PictureView& picture, const fs::path& path,
+                                                const Metadata& metadata) try {
   const auto refused = [&](std::string_view why) {
     return std::unexpected(Error{ErrorKind::bad_input, path.string(), std::string(why)});
   };
@@ -118,11 +118,18 @@ std::expected<void, Error> write(const PictureView& picture, const fs::path& pat
   if (const std::string why = problem(picture, metadata); !why.empty()) return refused(why);
   const std::string lost = unkept(*format, !picture.alpha.empty(), names_of(picture.layers));
   if (!lost.empty()) return refused(lost);
-  const auto bytes = encode(picture, *format, metadata);
+  auto bytes = encode(picture, *format, metadata);
   if (!bytes) return std::unexpected(write_error(path, bytes.error()));
-  return write_file(path, *bytes);
+  return *std::move(bytes);
 } catch (const std::bad_alloc&) {
   return std::unexpected(memory_error(path));
+}
+
+std::expected<void, Error> write(const PictureView& picture, const fs::path& path,
+                                 const Metadata& metadata) {
+  const auto bytes = checked_bytes(picture, path, metadata);
+  if (!bytes) return std::unexpected(bytes.error());
+  return write_file(path, *bytes);
 }
 
 /// Decodes the bytes of a file.
@@ -263,6 +270,11 @@ std::expected<void, Error> write_image(const Image& image, const fs::path& path,
 std::expected<void, Error> write_image(const Picture& picture, const fs::path& path,
                                        const Metadata& metadata) {
   return write(picture, path, metadata);
+}
+
+std::expected<std::string, Error> encode_image(const Picture& picture, const fs::path& name,
+                                               const Metadata& metadata) {
+  return checked_bytes(picture, name, metadata);
 }
 
 std::expected<Image, Error> read_image(const fs::path& path) { return read(path, decode_image); }

@@ -91,6 +91,11 @@ std::expected<void, Error> write_image(const Image& image, const std::filesystem
 std::expected<void, Error> write_image(const Picture& picture, const std::filesystem::path& path,
                                        const Metadata& metadata = {});
 
+/// The bytes that write_image() would write to a file of this name.
+std::expected<std::string, Error> encode_image(const Picture& picture,
+                                               const std::filesystem::path& name,
+                                               const Metadata& metadata = {});
+
 /// Reads PNG (alpha dropped, grey expanded), JPEG, EXR (R, G, B or Y; the data window of the first
 /// part; colours as stored, premultiplied if there is alpha), PFM (PF and Pf) and PPM (P2, P3, P5,
 /// P6), up to 2^28 pixels. The first bytes determine the format, not the suffix; 0 to the format's

@@ -1,0 +1,28 @@
+# The module of the Python package, and the program in its wheel. `pip install .` configures this
+# (pyproject.toml).
+find_package(Python 3.11 REQUIRED COMPONENTS Interpreter Development.Module
+             OPTIONAL_COMPONENTS Development.SABIModule)
+if(NOT nanobind_ROOT)
+  execute_process(COMMAND ${Python_EXECUTABLE} -m nanobind --cmake_dir
+                  OUTPUT_STRIP_TRAILING_WHITESPACE OUTPUT_VARIABLE nanobind_ROOT)
+endif()
+find_package(nanobind CONFIG REQUIRED)
+
+make_library(raio_static STATIC)
+nanobind_add_module(raio_python STABLE_ABI NB_STATIC python/module.cpp)
+# build/PRESET/python holds the whole package, for tests.
+set(package ${PROJECT_BINARY_DIR}/python/raio)
+set_target_properties(raio_python PROPERTIES OUTPUT_NAME _raio LIBRARY_OUTPUT_DIRECTORY ${package})
+add_custom_target(raio_package ALL
+  COMMAND ${CMAKE_COMMAND} -E copy_directory ${PROJECT_SOURCE_DIR}/python/raio ${package}
+  COMMENT "Copying the Python package")
+add_dependencies(raio_package raio_python)
+target_link_libraries(raio_python PRIVATE raio_static)
+if(UNIX AND NOT APPLE)  # everything but its entry is its own
+  target_link_options(raio_python PRIVATE LINKER:--exclude-libs,ALL)
+endif()
+
+install(TARGETS raio_python LIBRARY DESTINATION raio COMPONENT python)
+if(SKBUILD_SCRIPTS_DIR)
+  install(TARGETS raio RUNTIME DESTINATION ${SKBUILD_SCRIPTS_DIR} COMPONENT python)
+endif()

@@ -1,0 +1,505 @@
+// The module raio._raio: the C++ library (include/raio/raio.h) for the Python package in
+// python/raio, which checks and converts arguments. Long calls release the GIL, work on a thread of
+// their own, and end soon on Ctrl-C.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+#include <raio/raio.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace nb = nanobind;
+using namespace nb::literals;  // NOLINT(google-build-using-namespace)
+
+namespace {
+
+using raio::Triple;
+
+// --- arrays
+
+using Floats1 = nb::ndarray<const float, nb::ndim<1>, nb::device::cpu>;
+using Floats2 = nb::ndarray<const float, nb::ndim<2>, nb::device::cpu>;
+using Indices1 = nb::ndarray<const uint32_t, nb::ndim<1>, nb::device::cpu>;
+using Indices2 = nb::ndarray<const uint32_t, nb::ndim<2>, nb::device::cpu>;
+
+// Keeps an array alive for the library, which releases it in any thread, even after Python's end.
+template <class Array>
+std::shared_ptr<const void> keep(const Array& array) {
+  return {new Array(array), [](const Array* kept) {
+            if (!Py_IsInitialized()) return;
+            const nb::gil_scoped_acquire gil;
+            delete kept;
+          }};
+}
+
+// Rows of N numbers; the package has checked the shape.
+template <size_t N, class Array>
+auto column(const Array& array) {
+  using T = std::remove_const_t<typename Array::Scalar>;
+  return raio::Column<T, N>{array.data(), array.shape(0),
+                            std::ptrdiff_t(array.stride(0) * int64_t(sizeof(T))), keep(array)};
+}
+template <size_t N, class Array>
+auto column(const std::optional<Array>& array) {
+  using T = std::remove_const_t<typename Array::Scalar>;
+  return array ? column<N>(*array) : raio::Column<T, N>{};
+}
+
+// A numpy array that owns the numbers.
+template <class T>
+auto owned(std::vector<T> numbers, std::initializer_list<size_t> shape) {
+  auto* const all = new std::vector<T>(std::move(numbers));
+  const nb::capsule owner(all, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::ndarray<nb::numpy, T>(all->data(), shape, owner);
+}
+
+nb::bytes bytes(const std::string& text) { return nb::bytes(text.data(), text.size()); }
+
+// --- errors
+
+// Raised by the package's own exception for files; it is set when the module is imported.
+nb::object& scene_error() {
+  static nb::object type;
+  return type;
+}
+
+void raise(const raio::Error& error) {
+  switch (error.kind()) {
+    case raio::ErrorKind::bad_input:
+      if (error.line() > 0 || !error.file().empty()) {
+        const nb::object value =
+            scene_error()(error.what(), error.file(), error.line(), error.column());
+        PyErr_SetObject(scene_error().ptr(), value.ptr());
+      } else {
+        PyErr_SetString(PyExc_ValueError, error.what());
+      }
+      return;
+    case raio::ErrorKind::cannot_write:
+      PyErr_SetString(PyExc_OSError, error.what());
+      return;
+    case raio::ErrorKind::no_resource:
+      PyErr_SetString(std::strstr(error.what(), "memory") ? PyExc_MemoryError : PyExc_RuntimeError,
+                      error.what());
+      return;
+    case raio::ErrorKind::cancelled:
+      PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+      return;
+  }
+}
+
+// --- long work
+
+// The newest progress, from the library's thread to Python's.
+class Board {
+ public:
+  void post(const raio::Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    progress_ = progress;
+  }
+  std::optional<raio::Progress> take() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(progress_, std::nullopt);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::optional<raio::Progress> progress_;
+};
+
+constexpr const char* stage_name(raio::Progress::Stage stage) {
+  switch (stage) {
+    case raio::Progress::Stage::reading:
+      return "reading";
+    case raio::Progress::Stage::building:
+      return "building";
+    case raio::Progress::Stage::rendering:
+      break;
+  }
+  return "rendering";
+}
+
+// Calls `work` on a thread of its own. Python's signals are handled meanwhile: if one raises, calls
+// `cancel`. `report`, a Python function or None, receives the progress.
+void attended(const std::function<void()>& work, const std::function<void()>& cancel, Board& board,
+              const nb::object& report) {
+  std::mutex mutex;
+  std::condition_variable news;
+  bool is_done = false;
+  std::exception_ptr failure;
+  std::optional<nb::python_error> raised;
+  {
+    const nb::gil_scoped_release no_gil;
+    std::thread worker([&] {
+      try {
+        work();
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      const std::lock_guard lock(mutex);
+      is_done = true;
+      news.notify_one();
+    });
+    std::unique_lock lock(mutex);
+    while (!news.wait_for(lock, std::chrono::milliseconds(50), [&] { return is_done; })) {
+      lock.unlock();
+      {
+        const nb::gil_scoped_acquire gil;
+        try {
+          if (PyErr_CheckSignals() != 0) throw nb::python_error();
+          if (const auto progress = board.take(); progress && !report.is_none())
+            report(stage_name(progress->stage), progress->share, progress->rays);
+        } catch (nb::python_error& error) {
+          if (!raised) raised.emplace(std::move(error));
+          cancel();
+        }
+      }
+      lock.lock();
+    }
+    lock.unlock();
+    worker.join();
+  }
+  if (raised) throw nb::python_error(std::move(*raised));
+  if (failure) std::rethrow_exception(failure);
+}
+
+// The same for calls of the library that a Job does not make.
+void executed(const raio::Settings* settings, const nb::object& report,
+              const std::function<void()>& work) {
+  const std::string threads = settings ? settings->get("threads") : "";
+  raio::Executor executor(threads.empty() ? 0 : std::stoi(threads));
+  Board board;
+  if (!report.is_none()) executor.on_progress([&](const auto& progress) { board.post(progress); });
+  attended([&] { executor.run(work); }, [&] { executor.cancel(); }, board, report);
+}
+
+raio::Film render(const raio::Accel& accel, const raio::Settings& settings, const raio::Film* begun,
+                  const nb::object& report) {
+  std::optional<raio::Job> job;
+  std::optional<raio::Film> film;
+  Board board;
+  {
+    const nb::gil_scoped_release no_gil;
+    job.emplace(accel, settings, begun ? std::optional(*begun) : std::nullopt);
+  }
+  if (!report.is_none()) job->on_progress([&](const auto& progress) { board.post(progress); });
+  attended([&] { film.emplace(job->run()); }, [&] { job->cancel(); }, board, report);
+  const nb::gil_scoped_release no_gil;
+  job.reset();
+  return std::move(*film);
+}
+
+// --- scenes
+
+raio::Appearance look(uint32_t material, const std::optional<Floats2>& colors,
+                      const std::optional<Floats1>& opacity) {
+  raio::Appearance appearance(material);
+  appearance.colors = column<3>(colors);
+  appearance.opacity = column<1>(opacity);
+  return appearance;
+}
+
+nb::tuple camera_tuple(const raio::Camera& c) {
+  return nb::make_tuple(c.from, c.at, c.up, c.fov_deg,
+                        c.projection == raio::Projection::orthographic);
+}
+
+void bind_scene(nb::module_& m) {
+  using raio::Scene;
+  nb::class_<Scene>(m, "Scene")
+      .def(nb::init<>())
+      .def(nb::init<const Scene&>())
+      .def_static("figure", &Scene::figure)
+      .def_static(
+          "read",
+          [](const std::string& path, const raio::Settings& settings, const nb::object& report) {
+            std::optional<Scene> scene;
+            executed(&settings, report, [&] { scene.emplace(Scene::read(path, settings)); });
+            return std::move(*scene);
+          },
+          "path"_a, "settings"_a, "report"_a = nb::none())
+      .def_static("from_bytes",
+                  [](const nb::bytes& data) {
+                    const std::string_view text(data.c_str(), data.size());
+                    const nb::gil_scoped_release no_gil;
+                    return Scene::from_bytes(text);
+                  })
+      .def("to_bytes",
+           [](const Scene& scene) {
+             std::string data;
+             executed(nullptr, nb::none(), [&] { data = scene.to_bytes(); });
+             return bytes(data);
+           })
+      .def("write", &Scene::write, nb::call_guard<nb::gil_scoped_release>())
+      .def("warnings", &Scene::warnings)
+      .def("camera", [](const Scene& scene) { return camera_tuple(scene.camera()); })
+      .def("set_camera",
+           [](Scene& scene, Triple from, Triple at, Triple up, double fov_deg, bool parallel) {
+             scene.set_camera(
+                 {from, at, up, fov_deg,
+                  parallel ? raio::Projection::orthographic : raio::Projection::perspective});
+           })
+      .def("fit_camera", &Scene::fit_camera, nb::call_guard<nb::gil_scoped_release>(),
+           "direction"_a.none(), "up"_a, "margin"_a)
+      .def("set_background", &Scene::set_background)
+      .def("add_light", &Scene::add_light, "position"_a, "color"_a.none(), "size"_a)
+      .def("add_material",
+           [](Scene& scene, Triple color, double kd, double ks, double shine, double transmission,
+              double ior, Triple specular, double roughness, double opacity,
+              std::optional<uint32_t> texture) {
+             return scene.add_material(
+                 {color, kd, ks, shine, transmission, ior, specular, roughness, opacity, texture});
+           })
+      .def("add_texture",
+           [](Scene& scene,
+              nb::ndarray<const uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu> rgb) {
+             return scene.add_texture(uint32_t(rgb.shape(1)), uint32_t(rgb.shape(0)), rgb.data());
+           })
+      .def("add_spheres",
+           [](Scene& scene, const Floats2& centers, const Floats1& radii, uint32_t material,
+              const std::optional<Floats2>& colors, const std::optional<Floats1>& opacity) {
+             executed(nullptr, nb::none(),
+                      [&, c = column<3>(centers), r = column<1>(radii),
+                       l = look(material, colors, opacity)] { scene.add_spheres(c, r, l); });
+           })
+      .def("add_cones",
+           [](Scene& scene, const Floats2& starts, const Floats2& ends, const Floats1& start_radii,
+              const Floats1& end_radii, uint32_t material, const std::optional<Floats2>& colors,
+              const std::optional<Floats1>& opacity) {
+             executed(nullptr, nb::none(),
+                      [&, a = column<3>(starts), b = column<3>(ends), ra = column<1>(start_radii),
+                       rb = column<1>(end_radii),
+                       l = look(material, colors, opacity)] { scene.add_cones(a, b, ra, rb, l); });
+           })
+      .def("add_ellipsoids",
+           [](Scene& scene, const Floats2& centers, const Floats2& axes, uint32_t material,
+              const std::optional<Floats2>& colors, const std::optional<Floats1>& opacity) {
+             executed(nullptr, nb::none(),
+                      [&, c = column<3>(centers), a = column<9>(axes),
+                       l = look(material, colors, opacity)] { scene.add_ellipsoids(c, a, l); });
+           })
+      .def("add_discs",
+           [](Scene& scene, const Floats2& centers, const Floats2& normals, const Floats1& radii,
+              const Floats1& inner_radii, uint32_t material, const std::optional<Floats2>& colors,
+              const std::optional<Floats1>& opacity) {
+             executed(nullptr, nb::none(),
+                      [&, c = column<3>(centers), n = column<3>(normals), r = column<1>(radii),
+                       i = column<1>(inner_radii),
+                       l = look(material, colors, opacity)] { scene.add_discs(c, n, r, i, l); });
+           })
+      .def("add_triangles",
+           [](Scene& scene, const Floats2& positions, const Indices2& triangles,
+              const std::optional<Floats2>& normals, uint32_t material,
+              const std::optional<Floats2>& colors, const std::optional<Floats1>& opacity) {
+             executed(
+                 nullptr, nb::none(),
+                 [&, p = column<3>(positions), t = column<3>(triangles), n = column<3>(normals),
+                  l = look(material, colors, opacity)] { scene.add_triangles(p, t, n, l); });
+           })
+      .def("add_mesh",
+           [](Scene& scene, const Floats2& positions, const Indices2& triangles,
+              const std::optional<Floats2>& normals, const std::optional<Floats2>& uv,
+              const std::optional<Floats2>& colors, uint32_t material) {
+             executed(nullptr, nb::none(),
+                      [&, p = column<3>(positions), t = column<3>(triangles),
+                       n = column<3>(normals), w = column<2>(uv),
+                       c = column<3>(colors)] { scene.add_mesh(p, t, n, w, c, material); });
+           })
+      .def("add_prototype", &Scene::add_prototype)
+      .def("add_instances",
+           [](Scene& scene, uint32_t prototype, const Floats2& matrices) {
+             scene.add_instances(prototype, column<12>(matrices));
+           })
+      .def("primitive_count", &Scene::primitive_count)
+      .def("bounds", &Scene::bounds);
+}
+
+void bind_rays(nb::module_& m) {
+  using raio::Accel;
+  nb::class_<Accel>(m, "Accel")
+      .def(
+          "__init__",
+          [](Accel* self, const raio::Scene& scene, const raio::Settings& settings,
+             const Accel* like, const nb::object& report) {
+            std::optional<Accel> accel;
+            executed(&settings, report, [&] { accel.emplace(scene, settings, like); });
+            new (self) Accel(std::move(*accel));
+          },
+          "scene"_a, "settings"_a, "like"_a.none() = nb::none(), "report"_a = nb::none())
+      .def("info",
+           [](const Accel& accel) {
+             const Accel::Info info = accel.info();
+             nb::dict all;
+             all["kind"] = info.kind, all["primitives"] = info.primitives;
+             all["bytes"] = info.bytes, all["cells"] = info.cells;
+             all["references"] = info.references;
+             return all;
+           })
+      .def("closest",
+           [](const Accel& accel, const Floats2& origins, const Floats2& directions,
+              const std::optional<Floats1>& lengths, bool wants_all) {
+             const size_t n = origins.shape(0), more = wants_all ? n : 0;
+             std::vector<float> distance(n), position(3 * more), normal(3 * more), uv(2 * more);
+             std::vector<uint8_t> kind(more);
+             std::vector<int64_t> index(more), instance(more);
+             Accel::Hits hits{distance.data()};
+             if (wants_all)
+               hits = {distance.data(), kind.data(),   index.data(), instance.data(),
+                       position.data(), normal.data(), uv.data()};
+             executed(nullptr, nb::none(),
+                      [&, o = column<3>(origins), d = column<3>(directions),
+                       l = column<1>(lengths)] { accel.closest(o, d, l, hits); });
+             nb::dict all;
+             all["distance"] = owned(std::move(distance), {n});
+             if (!wants_all) return all;
+             all["kind"] = owned(std::move(kind), {n});
+             all["index"] = owned(std::move(index), {n});
+             all["instance"] = owned(std::move(instance), {n});
+             all["position"] = owned(std::move(position), {n, 3});
+             all["normal"] = owned(std::move(normal), {n, 3});
+             all["uv"] = owned(std::move(uv), {n, 2});
+             return all;
+           })
+      .def("occluded", [](const Accel& accel, const Floats2& origins, const Floats2& directions,
+                          const std::optional<Floats1>& lengths) {
+        const size_t n = origins.shape(0);
+        std::vector<uint8_t> occluded(n);
+        executed(nullptr, nb::none(),
+                 [&, o = column<3>(origins), d = column<3>(directions), l = column<1>(lengths)] {
+                   accel.occluded(o, d, l, occluded.data());
+                 });
+        return owned(std::move(occluded), {n});
+      });
+}
+
+void bind_film(nb::module_& m) {
+  using raio::Film;
+  const auto size = [](const Film& film) {
+    return std::pair{size_t(film.height()), size_t(film.width())};
+  };
+  nb::class_<Film>(m, "Film")
+      .def(nb::init<const Film&>())
+      .def_static("read", &Film::read, nb::call_guard<nb::gil_scoped_release>())
+      .def_static(
+          "from_bytes",
+          [](const nb::bytes& data) { return Film::from_bytes({data.c_str(), data.size()}); })
+      .def_static("merge",
+                  [](const std::vector<const Film*>& films) {
+                    const nb::gil_scoped_release no_gil;
+                    std::vector<Film> all;
+                    for (const Film* film : films) all.push_back(*film);
+                    return Film::merge(std::move(all));
+                  })
+      .def("to_bytes", [](const Film& film) { return bytes(film.to_bytes()); })
+      .def("write", &Film::write, nb::call_guard<nb::gil_scoped_release>())
+      .def("encode",
+           [](const Film& film, const std::string& format) {
+             std::string data;
+             {
+               const nb::gil_scoped_release no_gil;
+               data = film.encode(format);
+             }
+             return bytes(data);
+           })
+      .def("missing", &Film::missing)
+      .def("samples", &Film::samples)
+      .def("settings", &Film::settings)
+      .def("set",
+           [](Film& film, std::string_view name, std::string_view value) { film.set(name, value); })
+      .def("size", [](const Film& film) { return std::pair{film.width(), film.height()}; })
+      .def("rgba",
+           [size](const Film& film) {
+             std::vector<float> pixels;
+             {
+               const nb::gil_scoped_release no_gil;
+               pixels = film.rgba();
+             }
+             const auto [h, w] = size(film);
+             return owned(std::move(pixels), {h, w, 4});
+           })
+      .def("display",
+           [size](const Film& film) {
+             std::vector<uint8_t> pixels;
+             {
+               const nb::gil_scoped_release no_gil;
+               pixels = film.display();
+             }
+             const auto [h, w] = size(film);
+             return owned(std::move(pixels), {h, w, 4});
+           })
+      .def("channels", &Film::channels)
+      .def("channel",
+           [size](const Film& film, std::string_view name) -> nb::object {
+             const auto [h, w] = size(film);
+             if (name == "id" || name == "object" || name == "samples")
+               return nb::cast(owned(film.integers(name), {h, w}));
+             int components = 1;
+             auto values = film.channel(name, &components);
+             if (components == 1) return nb::cast(owned(std::move(values), {h, w}));
+             return nb::cast(owned(std::move(values), {h, w, size_t(components)}));
+           })
+      .def("nan_samples", &Film::nan_samples);
+}
+
+void bind_settings(nb::module_& m) {
+  using raio::Settings;
+  nb::class_<Settings>(m, "Settings")
+      .def(nb::init<>())
+      .def(nb::init<const Settings&>())
+      .def("set", [](Settings& settings, std::string_view name,
+                     std::string_view value) { settings.set(name, value); })
+      .def("get", &Settings::get);
+  m.def("options", [] {
+    nb::list all;
+    for (const Settings::Option& option : Settings::options()) {
+      nb::dict entry;
+      entry["name"] = option.name, entry["value_name"] = option.value_name;
+      entry["help"] = option.help, entry["words"] = option.words, entry["type"] = option.type;
+      entry["of_reader"] = option.of_reader, entry["default"] = option.default_value;
+      all.append(entry);
+    }
+    return all;
+  });
+}
+
+}  // namespace
+
+NB_MODULE(_raio, m) {
+  nb::set_leak_warnings(false);  // the package's own objects live until Python's end
+  nb::register_exception_translator([](const std::exception_ptr& failure, void*) {
+    try {
+      std::rethrow_exception(failure);
+    } catch (const raio::Error& error) {
+      raise(error);
+    }
+  });
+  bind_settings(m);
+  bind_scene(m);
+  bind_rays(m);
+  bind_film(m);
+  m.def("render", &render, "accel"_a, "settings"_a, "begun"_a.none(), "report"_a = nb::none());
+  m.def("set_scene_error", [](nb::object type) { scene_error() = std::move(type); });
+  m.def("version", &raio::version);
+  m.def("parse_color", &raio::parse_color);
+  m.def("to_linear", [](nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu> values) {
+    const nb::gil_scoped_release no_gil;
+    raio::to_linear(values.data(), values.size());
+  });
+  m.def("colormap", [](std::string_view name) { return owned(raio::colormap(name), {256, 3}); });
+}

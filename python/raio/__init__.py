@@ -1,0 +1,63 @@
+"""Raio: a fast, reproducible ray tracer.
+
+>>> import numpy as np, raio
+>>> scene = raio.Scene()
+>>> spheres = scene.spheres(np.random.default_rng(1).uniform(-5, 5, (1000, 3)), 0.5)
+>>> image = scene.render(size=(320, 240), samples=4)
+>>> image.numpy().shape
+(240, 320, 4)
+
+The same scene and options give the same bytes on any machine, for any number of threads.
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._color import colormap as colormap, linear as linear
+    from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
+    from ._parts import (Cones as Cones, Discs as Discs, Ellipsoids as Ellipsoids,
+                         Instances as Instances, Mesh as Mesh, Part as Part, Spheres as Spheres)
+    from ._rays import Hits as Hits
+    from ._render_options import ReadOptions as ReadOptions, RenderOptions as RenderOptions
+    from ._scene import (Material as Material, Scene as Scene, SceneError as SceneError,
+                         SceneWarning as SceneWarning, load as load, render as render)
+    from .convert import (from_ase as from_ase, from_biotite as from_biotite,
+                          from_mdanalysis as from_mdanalysis, from_ovito as from_ovito,
+                          from_pyvista as from_pyvista, from_trimesh as from_trimesh)
+    from .movies import movie as movie
+
+    __version__: str
+
+# Imported on first use, with numpy: `import raio` takes a millisecond.
+_MODULES = {
+    "_color": ("colormap", "linear"),
+    "_film": ("Film", "Image", "load_film", "merge"),
+    "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Mesh", "Part", "Spheres"),
+    "_rays": ("Hits",),
+    "_render_options": ("ReadOptions", "RenderOptions"),
+    "_scene": ("Material", "Scene", "SceneError", "SceneWarning", "load", "render"),
+    "convert": ("from_ase", "from_biotite", "from_mdanalysis", "from_ovito", "from_pyvista",
+                "from_trimesh"),
+    "movies": ("movie",),
+}
+_WHERE = {name: module for module, names in _MODULES.items() for name in names}
+
+__all__ = sorted(_WHERE)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from . import _raio
+
+        value: Any = _raio.version()
+    elif name in _WHERE:
+        value = getattr(importlib.import_module("." + _WHERE[name], __name__), name)
+    else:
+        raise AttributeError(f"module 'raio' has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_WHERE, "__version__"])

@@ -1,0 +1,66 @@
+"""The options of the command line as keyword arguments."""
+
+import difflib
+import functools
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from . import _raio
+
+
+@functools.cache
+def table() -> dict[str, dict[str, Any]]:
+    """All options by the names of their keyword arguments."""
+    return {_keyword(option["name"]): option for option in _raio.options()}
+
+
+def _keyword(name: str) -> str:
+    return "from_" if name == "from" else name.replace("-", "_")
+
+
+def _text(keyword: str, option: Mapping[str, Any], value: Any) -> str:
+    """The value as the command line has it."""
+    if isinstance(value, (bool, np.bool_)):
+        words = option["words"]
+        if option["type"] == "switch" or not words:
+            return "true" if value else "false"
+        if "on" in words:
+            return "on" if value else "off"
+        raise TypeError(f"{keyword}: expected {' or '.join(words)}, found {value}")
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
+    if isinstance(value, (list, tuple, set, np.ndarray)):
+        between = "x" if "x" in option["value_name"] else ":" if ":" in option["value_name"] else ","
+        return between.join(_text(keyword, {"words": [], "type": "", "value_name": ""}, v)
+                            for v in value)
+    raise TypeError(f"{keyword}: expected {option['value_name'] or 'True or False'}, found {value!r}")
+
+
+def settings(options: Mapping[str, Any]) -> _raio.Settings:
+    """The options that are not None."""
+    known = table()
+    all_settings = _raio.Settings()
+    for keyword, value in options.items():
+        if keyword not in known:
+            near = difflib.get_close_matches(keyword, known, 1)
+            hint = f"; did you mean {near[0]}?" if near else "; help(raio.RenderOptions) lists them"
+            raise TypeError(f"unknown option {keyword!r}{hint}")
+        if value is not None:
+            all_settings.set(known[keyword]["name"], _text(keyword, known[keyword], value))
+    return all_settings
+
+
+def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Those for reading a file, and the others."""
+    known = table()
+    read = {k: v for k, v in options.items() if k in known and known[k]["of_reader"]}
+    return read, {k: v for k, v in options.items() if k not in read}

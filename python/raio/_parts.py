@@ -1,0 +1,274 @@
+"""The primitives of a scene: arrays that can be replaced, or changed in place."""
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _raio
+from ._arrays import Floats, indices, numbers, per_row
+from ._color import Painted, paint
+
+if TYPE_CHECKING:
+    from ._scene import Material, Scene
+
+
+class Part:
+    """The primitives that one call of a Scene added.
+
+    Its arrays are attributes. Assign another array, or write into the existing one and then call
+    `changed()`; the next picture shows it. Other colours and opacities are shown without building
+    the acceleration structure again. Attributes that were borrowed from the caller are the caller's
+    own arrays: writing to them is writing to the part.
+    """
+
+    # Names of arrays, with the length of their rows; None: plain numbers.
+    _columns: ClassVar[dict[str, int | None]] = {}
+
+    def __init__(self, scene: "Scene", count: int, material: "Material | None",
+                 colors: Any, opacity: Any, cmap: Any, vmin: float | None, vmax: float | None):
+        self._scene = scene
+        self._count = count
+        self._material = material
+        self._arrays: dict[str, Any] = {}
+        self._map = (cmap, vmin, vmax)
+        self._set_colors(colors)
+        self._set_opacity(opacity)
+
+    def __len__(self) -> int:
+        return self._count
+
+    def __repr__(self) -> str:
+        return f"<raio.{type(self).__name__} of {self._count}>"
+
+    def changed(self) -> None:
+        """Tells that the contents of an array were changed in place."""
+        self._scene._change(geometry=True)
+
+    def remove(self) -> None:
+        """Takes the primitives out of the scene."""
+        self._scene._remove(self)
+
+    @property
+    def colors(self) -> Any:
+        """Colours as given: None, one colour, (N, 3), (N, 4), or (N,) values of a colour map."""
+        return self._colors
+
+    @colors.setter
+    def colors(self, value: Any) -> None:
+        self._set_colors(value)
+        self._scene._change(geometry=False)
+
+    @property
+    def opacity(self) -> Any:
+        """Opacities as given: None (opaque), a number, or (N,), 0 to 1."""
+        return self._opacity
+
+    @opacity.setter
+    def opacity(self, value: Any) -> None:
+        self._set_opacity(value)
+        self._scene._change(geometry=True)  # transparent primitives have their own tree
+
+    @property
+    def material(self) -> "Material | None":
+        """The surface; None: matt."""
+        return self._material
+
+    @material.setter
+    def material(self, value: "Material | None") -> None:
+        self._material = value
+        self._scene._change(geometry=True)
+
+    def _set_colors(self, colors: Any) -> None:
+        paint(colors, self._count, *self._map)  # reports errors now
+        self._colors = _floats_of(colors)
+
+    def _set_opacity(self, opacity: Any) -> None:
+        if opacity is not None:
+            opacity = float(opacity) if np.ndim(opacity) == 0 else numbers(
+                "opacity", opacity, None, self._count)
+            if np.ndim(opacity) == 0 and not 0 <= opacity <= 1:
+                raise ValueError(f"opacity: expected a number from 0 to 1, found {opacity}")
+        self._opacity = opacity
+
+    def _set(self, name: str, value: npt.ArrayLike) -> None:
+        width = self._columns[name]
+        if width is None:
+            self._arrays[name] = per_row(name, value, self._count)
+        else:
+            self._arrays[name] = numbers(name, value, width, self._count)
+
+    def _look(self, core: _raio.Scene) -> tuple[int, Floats | None, Floats | None]:
+        """The number of the material in `core`, colours and opacities."""
+        painted = paint(self._colors, self._count, *self._map)
+        opacity = painted.opacity if self._opacity is None else self._opacity
+        one = float(opacity) if isinstance(opacity, float) else 1.0
+        each = None if opacity is None or isinstance(opacity, float) else opacity
+        return self._number(core, painted, one), painted.each, each
+
+    def _number(self, core: _raio.Scene, painted: Painted, opacity: float) -> int:
+        from ._scene import Material
+
+        material = self._material or Material()
+        return material._add(core, painted.one, opacity)
+
+    def _add(self, core: _raio.Scene) -> None:
+        raise NotImplementedError
+
+
+def _floats_of(colors: Any) -> Any:
+    # So that `part.colors[...] = x` writes to what the next picture shows.
+    if colors is None or isinstance(colors, (str, tuple)) or isinstance(colors, np.ndarray):
+        return colors
+    array = np.asarray(colors)
+    return array.astype(np.float32) if array.dtype.kind == "f" else array
+
+
+def _array(name: str, doc: str) -> Any:
+    def get(part: Part) -> Any:
+        return part._arrays[name]
+
+    def put(part: Part, value: npt.ArrayLike) -> None:
+        part._set(name, value)
+        part._scene._change(geometry=True)
+
+    return property(get, put, doc=doc)
+
+
+class Spheres(Part):
+    """Spheres, by Scene.spheres()."""
+
+    _columns = {"centers": 3, "radii": None}
+    centers: Floats = _array("centers", "(N, 3), scene units.")
+    radii: Floats = _array("radii", "(N,), scene units.")
+
+    def _add(self, core: _raio.Scene) -> None:
+        core.add_spheres(self.centers, self.radii, *self._look(core))
+
+
+class Cones(Part):
+    """Cones and cylinders without caps, by Scene.cones() and Scene.cylinders()."""
+
+    _columns = {"starts": 3, "ends": 3, "start_radii": None, "end_radii": None}
+    starts: Floats = _array("starts", "Centres of the first circles, (N, 3).")
+    ends: Floats = _array("ends", "Centres of the second circles, (N, 3).")
+    start_radii: Floats = _array("start_radii", "(N,).")
+    end_radii: Floats = _array("end_radii", "(N,).")
+
+    def _add(self, core: _raio.Scene) -> None:
+        core.add_cones(self.starts, self.ends, self.start_radii, self.end_radii, *self._look(core))
+
+
+class Ellipsoids(Part):
+    """Ellipsoids, by Scene.ellipsoids()."""
+
+    _columns = {"centers": 3, "axes": 9}
+    centers: Floats = _array("centers", "(N, 3).")
+    axes: Floats = _array("axes", "Three perpendicular half axes each, (N, 9).")
+
+    def _add(self, core: _raio.Scene) -> None:
+        core.add_ellipsoids(self.centers, self.axes, *self._look(core))
+
+
+class Discs(Part):
+    """Flat discs and rings, by Scene.discs()."""
+
+    _columns = {"centers": 3, "normals": 3, "radii": None, "inner_radii": None}
+    centers: Floats = _array("centers", "(N, 3).")
+    normals: Floats = _array("normals", "(N, 3), of any length.")
+    radii: Floats = _array("radii", "(N,).")
+    inner_radii: Floats = _array("inner_radii", "(N,); 0: no hole.")
+
+    def _add(self, core: _raio.Scene) -> None:
+        core.add_discs(self.centers, self.normals, self.radii, self.inner_radii, *self._look(core))
+
+
+class Mesh(Part):
+    """Triangles with common vertices, by Scene.mesh()."""
+
+    _columns = {"vertices": 3, "normals": 3, "uv": 2}
+    vertices: Floats = _array("vertices", "(V, 3), scene units.")
+    normals: Floats = _array("normals", "(V, 3), or None: flat triangles.")
+
+    def __init__(self, scene: "Scene", vertices: npt.ArrayLike, faces: npt.ArrayLike,
+                 normals: npt.ArrayLike | None, uv: npt.ArrayLike | None,
+                 material: "Material | None", colors: Any, opacity: Any, cmap: Any,
+                 vmin: float | None, vmax: float | None):
+        points = numbers("vertices", vertices, 3)
+        if np.asanyarray(faces).ndim == 2 and np.asanyarray(faces).shape[1] == 4:
+            quads = indices("faces", faces, 4, len(points))
+            self._faces = np.concatenate((quads[:, :3], quads[:, [0, 2, 3]]))
+            if _rows(colors) == len(quads) != len(points):
+                colors = np.concatenate((colors, colors))
+        else:
+            self._faces = indices("faces", faces, 3, len(points))
+        # Colours belong to vertices, or to faces if their number fits only these.
+        self._by_face = _rows(colors) == len(self._faces) != len(points)
+        super().__init__(scene, len(self._faces) if self._by_face else len(points), material,
+                         colors, None, cmap, vmin, vmax)
+        self._arrays = {"vertices": points, "normals": None, "uv": None}
+        if normals is not None:
+            self._arrays["normals"] = numbers("normals", normals, 3, len(points))
+        if uv is not None:
+            self._arrays["uv"] = numbers("uv", uv, 2, len(points))
+        self._count = len(self._faces)
+        self.opacity = opacity
+
+    def _set(self, name: str, value: npt.ArrayLike) -> None:
+        count = len(self._arrays["vertices"])
+        self._arrays[name] = numbers(name, value, self._columns[name], count)
+
+    def _set_colors(self, colors: Any) -> None:
+        if self._arrays:
+            self._by_face = _rows(colors) == len(self._faces) != len(self.vertices)
+        self._painted_rows = len(self._faces) if self._by_face else (
+            len(self.vertices) if self._arrays else self._count)
+        paint(colors, self._painted_rows, *self._map)
+        self._colors = _floats_of(colors)
+
+    def _add(self, core: _raio.Scene) -> None:
+        painted = paint(self._colors, self._painted_rows, *self._map)
+        one = float(self._opacity) if isinstance(self._opacity, float) else 1.0
+        each = None if self._opacity is None or isinstance(self._opacity, float) else self._opacity
+        if painted.opacity is not None and self._by_face:
+            each = painted.opacity
+        elif painted.opacity is not None:
+            raise ValueError("colors: opacities of vertices are not supported; give opacity")
+        uv = self._arrays["uv"]
+        if each is not None or self._by_face or (painted.each is None and uv is None):
+            if uv is not None or (painted.each is not None and not self._by_face):
+                raise ValueError("opacity: one per face cannot be combined with uv or colours of vertices")
+            core.add_triangles(self.vertices, self._faces, self.normals,
+                               self._number(core, painted, one), painted.each, each)
+        else:
+            if painted.each is not None:
+                painted = Painted(one=(1.0, 1.0, 1.0), each=painted.each)
+            core.add_mesh(self.vertices, self._faces, self.normals, uv, painted.each,
+                          self._number(core, painted, one))
+
+
+def _rows(value: Any) -> int | None:
+    return None if value is None or isinstance(value, str) or np.ndim(value) == 0 else len(value)
+
+
+class Instances(Part):
+    """Copies of another scene, by Scene.instances()."""
+
+    _columns = {"transforms": 12}
+    transforms: Floats = _array("transforms", "Matrices, (N, 12): three rows of four numbers each.")
+
+    def __init__(self, scene: "Scene", object: "Scene", transforms: npt.ArrayLike):
+        rows = np.asanyarray(transforms)
+        if rows.ndim == 3 and rows.shape[1:] in ((3, 4), (4, 4)):
+            if rows.shape[1] == 4 and not np.allclose(rows[:, 3], (0, 0, 0, 1)):
+                raise ValueError("transforms: the last rows must be 0, 0, 0, 1")
+            rows = rows[:, :3].reshape(-1, 12)
+        elif rows.ndim != 2 or rows.shape[1] != 12:
+            raise ValueError(
+                f"transforms: expected the shape (N, 4, 4) or (N, 3, 4), found {rows.shape}")
+        super().__init__(scene, len(rows), None, None, None, None, None, None)
+        self._object = object
+        self._set("transforms", rows)
+
+    def _add(self, core: _raio.Scene) -> None:
+        core.add_instances(core.add_prototype(self._object._core()), self.transforms)

@@ -1,0 +1,525 @@
+"""Scenes: files, arrays, lights and a camera, and how they are rendered."""
+
+import os
+import threading
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _raio
+from ._arrays import FloatsLike, numbers, per_row, triple
+from ._color import ColorsLike, one_color
+from ._film import Film, Image, Path
+from ._options import settings, split
+from ._parts import Cones, Discs, Ellipsoids, Instances, Mesh, Part, Spheres
+from ._progress import Progress, Reporter
+from ._rays import Hits
+
+
+class SceneError(ValueError):
+    """A file cannot be read. `file`, `line` and `column` tell where; 0: unknown."""
+
+    def __init__(self, message: str, file: str = "", line: int = 0, column: int = 0):
+        super().__init__(message)
+        self.file, self.line, self.column = file, line, column
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.file, self.line, self.column)
+
+
+class SceneWarning(UserWarning):
+    """Something in a file was guessed or left out."""
+
+
+_raio.set_scene_error(SceneError)
+
+
+@dataclass(frozen=True)
+class Material:
+    """A surface. The defaults are matt; figures lit from everywhere (`ambient`) use only colour,
+    texture and opacity, `classic` pictures the rest (docs/shading.md).
+
+    color: a name, "#rrggbb", or three numbers of light. kd, ks: diffuse and mirror parts. shine:
+    exponent of the highlight. transmission: part of the refracted ray. ior: index of refraction.
+    roughness: spread of mirrored rays. texture: (height, width, 3) uint8, top row first, for meshes
+    with uv.
+    """
+
+    color: ColorsLike = (0.8, 0.8, 0.8)
+    kd: float = 1
+    ks: float = 0
+    shine: float = 1
+    transmission: float = 0
+    ior: float = 1
+    specular: ColorsLike = (1.0, 1.0, 1.0)
+    roughness: float = 0
+    opacity: float = 1
+    texture: npt.NDArray[np.uint8] | None = None
+
+    def _add(self, core: _raio.Scene, color: tuple[float, float, float] | None,
+             opacity: float) -> int:
+        texture = None
+        if self.texture is not None:
+            texels = np.ascontiguousarray(self.texture)
+            if texels.dtype != np.uint8 or texels.ndim != 3 or texels.shape[2] != 3:
+                raise ValueError(f"texture: expected (height, width, 3) uint8, found {texels.shape} "
+                                 f"{texels.dtype}")
+            texture = core.add_texture(texels)
+        own = one_color("color", (1.0, 1.0, 1.0) if texture is not None else self.color)
+        return core.add_material(color or own, self.kd, self.ks, self.shine, self.transmission,
+                                 self.ior, one_color("specular", self.specular), self.roughness,
+                                 self.opacity * opacity, texture)
+
+
+class Scene:
+    """Primitives from arrays, files or both, with lights and a camera.
+
+    background: a name, "#rrggbb", three numbers of light, "transparent", or None: that of the style.
+
+    Without lights a scene is a figure, lit from everywhere; with lights, NFF's shading is the
+    default. The camera shows everything unless camera() or look() is called. A scene may be changed
+    at any time. Arrays of float32 are not copied: they are kept alive, and must not be written to
+    while a picture is rendered (its pixels would be undefined, though nothing crashes); changed()
+    tells of changes.
+
+    >>> import raio
+    >>> scene = raio.Scene(background="transparent")
+    >>> ball = scene.spheres([[0, 0, 0]], 1, colors="orange")
+    >>> scene.render(size=(32, 24), samples=4)
+    <raio.Image of 32 x 24>
+    """
+
+    def __init__(self, background: str | npt.ArrayLike | None = "white"):
+        self._base: _raio.Scene | None = None
+        self._parts: list[Part] = []
+        self._lights: list[tuple[Any, ...]] = []
+        self._camera: dict[str, Any] = {}
+        self._look: tuple[Any, ...] = (None, (0.0, 0.0, 1.0), 0.0)
+        self.background = background
+        self._start_caches()
+
+    def _start_caches(self) -> None:
+        self._lock = threading.RLock()
+        self._built: _raio.Scene | None = None
+        self._geometry = 0  # counts changes of primitives
+        self._accels: dict[tuple[Any, ...], tuple[_raio.Scene, int, _raio.Accel]] = {}
+
+    @property
+    def background(self) -> str | npt.ArrayLike | None:
+        """As in the constructor."""
+        return self._background
+
+    @background.setter
+    def background(self, value: str | npt.ArrayLike | None) -> None:
+        if value is not None and not isinstance(value, str):
+            one_color("background", value)
+        self._background = value
+
+    # --- primitives
+
+    def spheres(self, centers: FloatsLike, radii: FloatsLike, *, colors: Any = None,
+                opacity: FloatsLike | None = None, material: Material | None = None,
+                cmap: Any = None, vmin: float | None = None, vmax: float | None = None) -> Spheres:
+        """Adds spheres.
+
+        centers: (N, 3), scene units. radii: a number or (N,), not negative.
+
+        colors: one colour for all (a name, "#rrggbb" or three numbers), (N, 3), or (N, 4) with
+        opacities: floats are light, 0 to 1 (raio.linear() converts display values), uint8 is as
+        displayed, 0 to 255. Or (N,) values with a colour map `cmap` from `vmin` to `vmax`.
+        opacity: a number or (N,), 0 to 1. float32 arrays are borrowed, others are copied.
+
+        Raises TypeError and ValueError with the name of the argument, and what was expected.
+
+        >>> import raio
+        >>> raio.Scene().spheres([[0, 0, 0], [1, 0, 0]], 0.5, colors=[1.0, 2.0], cmap="viridis")
+        <raio.Spheres of 2>
+        """
+        points = numbers("centers", centers, 3)
+        part = Spheres(self, len(points), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"centers": points, "radii": per_row("radii", radii, len(points))}
+        return self._append(part)
+
+    def points(self, positions: FloatsLike, radius: float | None = None, **look: Any) -> Spheres:
+        """Adds small spheres of one size; without a radius, of half the mean spacing of the points.
+
+        positions: (N, 3). Colours and opacity as for spheres().
+        """
+        points = numbers("positions", positions, 3)
+        if radius is None:
+            with np.errstate(invalid="ignore", over="ignore"):
+                sides = np.ptp(points.astype(np.float64), axis=0) if len(points) else np.zeros(3)
+            used = sides[sides > 1e-6 * sides.max()] if len(points) else sides[:0]
+            radius = float((used.prod() / len(points)) ** (1 / len(used)) / 2) if len(used) else 0.5
+        return self.spheres(points, radius, **look)
+
+    def cones(self, starts: FloatsLike, ends: FloatsLike, start_radii: FloatsLike,
+              end_radii: FloatsLike, *, colors: Any = None, opacity: FloatsLike | None = None,
+              material: Material | None = None, cmap: Any = None, vmin: float | None = None,
+              vmax: float | None = None) -> Cones:
+        """Adds cones without caps, from one circle to another.
+
+        starts, ends: (N, 3), scene units. start_radii, end_radii: a number or (N,). Colours and
+        opacity as for spheres().
+        """
+        first, second = _pairs(starts, ends)
+        part = Cones(self, len(first), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"starts": first, "ends": second,
+                        "start_radii": per_row("start_radii", start_radii, len(first)),
+                        "end_radii": per_row("end_radii", end_radii, len(first))}
+        return self._append(part)
+
+    def cylinders(self, starts: FloatsLike, ends: FloatsLike, radii: FloatsLike, *,
+                  colors: Any = None, opacity: FloatsLike | None = None,
+                  material: Material | None = None, cmap: Any = None, vmin: float | None = None,
+                  vmax: float | None = None) -> Cones:
+        """Adds cylinders without caps.
+
+        starts, ends: (N, 3), scene units. radii: a number or (N,). Colours and opacity as for
+        spheres().
+        """
+        first, second = _pairs(starts, ends)
+        radius = per_row("radii", radii, len(first))
+        part = Cones(self, len(first), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"starts": first, "ends": second, "start_radii": radius, "end_radii": radius}
+        return self._append(part)
+
+    def lines(self, points: FloatsLike, radius: float, *, colors: Any = None,
+              opacity: FloatsLike | None = None, material: Material | None = None) -> Cones:
+        """Adds a polyline of round segments with round joints.
+
+        points: (N, 3), N at least 2. radius: scene units. colors: one for all. The result holds the
+        segments.
+        """
+        path = numbers("points", points, 3)
+        if len(path) < 2:
+            raise ValueError(f"points: expected at least two, found {len(path)}")
+        if np.ndim(opacity if opacity is not None else 1) or (
+                colors is not None and not isinstance(colors, str) and np.shape(colors) != (3,)):
+            raise ValueError("lines have one colour and one opacity")
+        look = {"colors": colors, "opacity": opacity, "material": material}
+        self.spheres(path, radius, **look)
+        moved = np.flatnonzero((path[1:] != path[:-1]).any(axis=1))
+        return self.cylinders(path[:-1][moved], path[1:][moved], radius, **look)
+
+    def ellipsoids(self, centers: FloatsLike, axes: FloatsLike, *, colors: Any = None,
+                   opacity: FloatsLike | None = None, material: Material | None = None,
+                   cmap: Any = None, vmin: float | None = None,
+                   vmax: float | None = None) -> Ellipsoids:
+        """Adds ellipsoids.
+
+        centers: (N, 3). axes: (N, 3, 3) or (N, 9): three perpendicular vectors each, from the centre
+        to the surface. Colours and opacity as for spheres().
+        """
+        points = numbers("centers", centers, 3)
+        half = np.asanyarray(axes)
+        half = half.reshape(len(half), 9) if half.ndim == 3 and half.shape[1:] == (3, 3) else half
+        part = Ellipsoids(self, len(points), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"centers": points, "axes": numbers("axes", half, 9, len(points))}
+        return self._append(part)
+
+    def discs(self, centers: FloatsLike, normals: FloatsLike, radii: FloatsLike,
+              inner_radii: FloatsLike = 0, *, colors: Any = None,
+              opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+              vmin: float | None = None, vmax: float | None = None) -> Discs:
+        """Adds flat discs, or rings.
+
+        centers, normals: (N, 3). radii, inner_radii: a number or (N,). Colours and opacity as for
+        spheres().
+        """
+        points = numbers("centers", centers, 3)
+        part = Discs(self, len(points), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"centers": points, "normals": numbers("normals", normals, 3, len(points)),
+                        "radii": per_row("radii", radii, len(points)),
+                        "inner_radii": per_row("inner_radii", inner_radii, len(points))}
+        return self._append(part)
+
+    def mesh(self, vertices: FloatsLike, faces: npt.ArrayLike, *, normals: FloatsLike | None = None,
+             colors: Any = None, uv: FloatsLike | None = None,
+             opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+             vmin: float | None = None, vmax: float | None = None) -> Mesh:
+        """Adds triangles with common vertices.
+
+        vertices: (V, 3), scene units. faces: (F, 3), or (F, 4) for quadrilaterals: integers, copied.
+        normals: (V, 3): smooth; None: flat. colors: as for spheres(), one per vertex, or per face if
+        their number fits only the faces. uv: (V, 2), for the texture of the material. opacity: a
+        number, or one per face.
+        """
+        return self._append(Mesh(self, vertices, faces, normals, uv, material, colors, opacity, cmap,
+                                 vmin, vmax))
+
+    def instances(self, object: "Scene", transforms: FloatsLike) -> Instances:
+        """Adds copies of all primitives of another scene, which are stored once.
+
+        transforms: (N, 4, 4) or (N, 3, 4): matrices for column vectors; the translation is the last
+        column.
+        """
+        if object is self:
+            raise ValueError("object: a scene cannot contain itself")
+        return self._append(Instances(self, object, transforms))
+
+    def _append(self, part: Any) -> Any:
+        with self._lock:
+            self._parts.append(part)
+            self._change(geometry=True)
+        return part
+
+    def _remove(self, part: Part) -> None:
+        with self._lock:
+            self._parts.remove(part)
+            self._change(geometry=True)
+
+    def _change(self, geometry: bool) -> None:
+        with self._lock:
+            self._built = None
+            if geometry:
+                self._geometry += 1
+
+    # --- light and camera
+
+    def light(self, position: FloatsLike | None = None, direction: FloatsLike | None = None,
+              color: ColorsLike | None = None, size: float = 0) -> None:
+        """Adds a light at a position, or a distant one that shines in a direction.
+
+        color: None: white, so bright that all such lights together suit; else light, 1 being white.
+        size: the side of the square that `soft_shadows` makes of it; 0: the option's.
+        """
+        if (position is None) == (direction is None):
+            raise ValueError("light: give position or direction")
+        where = triple("position", position) if position is not None else triple(
+            "direction", direction)
+        if direction is not None and where == (0, 0, 0):
+            raise ValueError("direction: expected a direction other than zero")
+        if not size >= 0:
+            raise ValueError(f"size: expected a number from 0 on, found {size}")
+        hue = None if color is None else one_color("color", color)
+        self._lights.append((where, position is None, hue, float(size)))
+        self._change(geometry=False)
+
+    def camera(self, from_: FloatsLike, at: FloatsLike, up: FloatsLike = (0, 0, 1),
+               fov: float | None = None, aperture: float | None = None, focus: float | None = None,
+               projection: str | None = None) -> None:
+        """Places the camera.
+
+        from_, at, up: three numbers, scene units. fov: vertical angle, degrees. aperture, focus: the
+        radius of the lens, which blurs, and the distance that is sharp. projection: "perspective" or
+        "orthographic".
+        """
+        view = {"from_": triple("from_", from_), "at": triple("at", at), "up": triple("up", up),
+                "fov": fov, "projection": projection}
+        if view["from_"] == view["at"]:
+            raise ValueError("from_ and at are the same point")
+        if aperture is not None:
+            view.update(dof=True, aperture=aperture, focus=focus)
+        elif focus is not None:
+            raise ValueError("focus has an effect only with an aperture")
+        settings(view)  # reports errors now
+        self._camera = {name: value for name, value in view.items() if value is not None}
+
+    def look(self, direction: FloatsLike | None = None, up: FloatsLike = (0, 0, 1),
+             margin: float = 0) -> None:
+        """Places the camera so that it shows everything.
+
+        direction: that of sight, from the camera on; None: at an angle from above. margin: free
+        space on each side, as a part of the picture.
+        """
+        towards = None if direction is None else triple("direction", direction)
+        if towards == (0, 0, 0) or triple("up", up) == (0, 0, 0):
+            raise ValueError("direction and up must not be zero")
+        if not 0 <= margin < 0.5:
+            raise ValueError(f"margin: expected a number from 0 up to 0.5, found {margin}")
+        self._camera = {}
+        self._look = (towards, triple("up", up), float(margin))
+        self._is_fitted = True
+        self._change(geometry=False)
+
+    _is_fitted = False
+
+    # --- pictures
+
+    def render(self, *, progress: Progress = False, **options: Any) -> Image:
+        """Renders a picture.
+
+        Takes every rendering option of the command line as a keyword: `size=(1920, 1080)`,
+        `samples=64`, `integrator="ambient"`, `channels=["depth", "id"]`, `soft_shadows=True`;
+        raio.RenderOptions lists them. progress: True shows a bar; or a function of the stage and its
+        share. Ctrl-C stops.
+
+        Raises TypeError for unknown options, ValueError for values that do not fit, MemoryError.
+        """
+        return Image(self._render(options, progress))
+
+    def start(self, **options: Any) -> Film:
+        """A picture to be refined with Film.add(); options as for render()."""
+        settings(options)
+        return Film(None, self, options)
+
+    def save(self, path: Path) -> None:
+        """Writes the scene: .raio keeps everything; .nff, .ply, .gltf and .pov what they can."""
+        self._core().write(os.fspath(path))
+
+    def view(self, **options: Any) -> Any:
+        """A live picture in a notebook, which the mouse turns; else the window, where there is one."""
+        from .views import view
+
+        return view(self, options)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
+        """The lowest and the highest corner of all primitives; None if there are none."""
+        box = self._core().bounds()
+        return None if box is None else (tuple(box[0]), tuple(box[1]))
+
+    def __len__(self) -> int:
+        """The number of primitives, including those of instances."""
+        return int(self._core().primitive_count())
+
+    def __repr__(self) -> str:
+        return f"<raio.Scene of {len(self)} primitives>"
+
+    def _repr_png_(self) -> bytes:
+        return self.render(size=(640, 480), samples=16)._repr_png_()
+
+    # --- rays
+
+    def intersect(self, origins: FloatsLike, directions: FloatsLike,
+                  lengths: FloatsLike | None = None) -> Hits:
+        """The nearest hits of rays.
+
+        origins, directions: (N, 3); directions of any length but 0. lengths: a number or (N,), the
+        farthest distance; None: infinite.
+
+        >>> import raio
+        >>> scene = raio.Scene()
+        >>> _ = scene.spheres([[0, 0, 0]], 1)
+        >>> float(scene.intersect([[0, 0, 5]], [[0, 0, -1]]).distance[0])
+        4.0
+        """
+        rays = self._rays(origins, directions, lengths)
+        return Hits(**self._accel({}, None)[0].closest(*rays, True))
+
+    def occluded(self, origins: FloatsLike, directions: FloatsLike,
+                 lengths: FloatsLike | None = None) -> npt.NDArray[np.bool_]:
+        """Whether anything is hit, (N,) bool; arguments as for intersect(). Faster than that."""
+        hit = self._accel({}, None)[0].occluded(*self._rays(origins, directions, lengths))
+        return hit.view(np.bool_)
+
+    @staticmethod
+    def _rays(origins: FloatsLike, directions: FloatsLike, lengths: FloatsLike | None) -> Any:
+        starts = numbers("origins", origins, 3)
+        towards = numbers("directions", directions, 3, len(starts))
+        return starts, towards, None if lengths is None else per_row("lengths", lengths, len(starts))
+
+    # --- the library's scene
+
+    def _core(self) -> _raio.Scene:
+        with self._lock:
+            if self._built is None:
+                self._built = self._make_core()
+            return self._built
+
+    def _make_core(self) -> _raio.Scene:
+        if self._base is not None:
+            core = _raio.Scene(self._base)
+        else:
+            core = _raio.Scene() if self._lights else _raio.Scene.figure()
+        for part in self._parts:
+            if len(part):
+                part._add(core)
+        if self._base is None or self._is_fitted:
+            if core.bounds() is not None:
+                core.fit_camera(*self._look)
+        box = core.bounds()
+        for where, is_distant, color, size in self._lights:
+            if is_distant:
+                low, high = box or ((0, 0, 0), (1, 1, 1))
+                middle, reach = (np.add(low, high) / 2, np.linalg.norm(np.subtract(high, low)))
+                where = tuple(middle - np.asarray(where) / np.linalg.norm(where) * 1e3 * (reach or 1))
+            core.add_light(where, color, size)
+        if self._camera:
+            view = self._camera
+            _, _, _, fov, parallel = core.camera()
+            core.set_camera(view["from_"], view["at"], view["up"], view.get("fov", fov),
+                            view.get("projection", parallel) in (True, "orthographic"))
+        return core
+
+    _ACCEL = ("accel", "grid_factor", "grid_resolution", "one_sided", "opacity", "counters", "threads")
+
+    def _accel(self, options: dict[str, Any], report: Any) -> tuple[_raio.Accel, _raio.Scene]:
+        of_structure = {name: options[name] for name in self._ACCEL if name in options}
+        key = tuple((name, str(value)) for name, value in of_structure.items() if name != "threads")
+        with self._lock:
+            core = self._core()
+            held = self._accels.get(key)
+            if held is not None and held[0] is core:
+                return held[2], core
+            like = held[2] if held is not None and held[1] == self._geometry else None
+            # Frees the structures of earlier primitives before the new one is built.
+            self._accels = {k: v for k, v in self._accels.items() if v[1] == self._geometry}
+            held = None
+            accel = _raio.Accel(core, settings(of_structure), like, report)
+            self._accels[key] = (core, self._geometry, accel)
+            return accel, core
+
+    def _render(self, options: dict[str, Any], progress: Progress,
+                begun: "_raio.Film | None" = None) -> _raio.Film:
+        wanted = {name: value for name, value in options.items() if value is not None}
+        if self._camera and not ({"from_", "at", "side", "fit"} & wanted.keys()):
+            wanted = {**self._camera, **wanted}
+        if self._background is not None and "background" not in wanted:
+            wanted["background"] = self._background
+        all_settings = settings(wanted)
+        with Reporter(progress) as reporter:
+            accel, _ = self._accel(wanted, reporter.report)
+            return _raio.render(accel, all_settings, begun, reporter.report)
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = {name: value for name, value in self.__dict__.items()
+                 if name not in ("_lock", "_built", "_accels", "_geometry")}
+        state["_base"] = None if self._base is None else self._base.to_bytes()
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if state["_base"] is not None:
+            self._base = _raio.Scene.from_bytes(state["_base"])
+        self._start_caches()
+
+
+def _pairs(starts: FloatsLike, ends: FloatsLike) -> Any:
+    first = numbers("starts", starts, 3)
+    second = numbers("ends", ends, 3)
+    if first.shape != second.shape:
+        raise ValueError(f"starts and ends: expected equal shapes, found {first.shape} and "
+                         f"{second.shape}")
+    return first, second
+
+
+def load(path: Path, *, progress: Progress = False, **options: Any) -> Scene:
+    """Reads a scene file of any format that the program reads (docs/files.md).
+
+    Takes every reading option of the command line as a keyword: `style="sticks"`,
+    `color_by="chain"`, `frame=3`. Warnings are SceneWarning. Raises SceneError with file, line and
+    column.
+    """
+    read, others = split(options)
+    if others:
+        settings(others)  # reports unknown ones
+        raise TypeError(f"{next(iter(others))} is an option of render(), not of load()")
+    with Reporter(progress) as reporter:
+        core = _raio.Scene.read(os.fspath(path), settings(read), reporter.report)
+    for text in core.warnings():
+        warnings.warn(text, SceneWarning, stacklevel=2)
+    scene = Scene(background=None)
+    scene._base = core
+    return scene
+
+
+def render(path: Path, *, progress: Progress = False, **options: Any) -> Image:
+    """Reads a scene file and renders it: options as for load() and Scene.render()."""
+    read, others = split(options)
+    settings(others)  # reports errors before the file is read
+    return load(path, progress=progress, **read).render(progress=progress, **others)
