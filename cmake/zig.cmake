@@ -1,14 +1,12 @@
-# Cross-compiles with zig, a clang that brings the C and C++ libraries of its targets. tools/wheels writes the
+# Compiles for Linux with zig, a clang that brings the C and C++ libraries of its targets. tools/wheels writes the
 # programs in $RAIO_ZIG/bin, which know their target, and builds the static libraries in $RAIO_ZIG.
 set(RAIO_ZIG $ENV{RAIO_ZIG})
-set(CMAKE_SYSTEM_NAME $ENV{RAIO_ZIG_SYSTEM})
-set(CMAKE_SYSTEM_PROCESSOR $ENV{RAIO_ZIG_PROCESSOR})
-foreach(program C_COMPILER=cc CXX_COMPILER=c++ AR=ar RANLIB=ranlib RC_COMPILER=rc)
-  string(REPLACE "=" ";" program ${program})
-  list(GET program 0 variable)
-  list(GET program 1 name)
-  set(CMAKE_${variable} ${RAIO_ZIG}/bin/${name})
-endforeach()
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR $ENV{RAIO_ZIG_TARGET})
+set(CMAKE_C_COMPILER ${RAIO_ZIG}/bin/cc)
+set(CMAKE_CXX_COMPILER ${RAIO_ZIG}/bin/c++)
+set(CMAKE_AR ${RAIO_ZIG}/bin/ar)
+set(CMAKE_RANLIB ${RAIO_ZIG}/bin/ranlib)
 
 set(CMAKE_FIND_ROOT_PATH ${RAIO_ZIG})
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
