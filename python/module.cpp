@@ -12,6 +12,11 @@
 #include <nanobind/stl/vector.h>
 #include <raio/raio.h>
 
+#ifndef _WIN32
+#include <pthread.h>
+#endif
+
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
@@ -20,6 +25,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -106,6 +112,27 @@ void raise(const raio::Error& error) {
 
 // --- long work
 
+// After a fork, the library's threads are missing in the child, where waiting for them would never
+// end.
+enum class Threads : uint8_t { none, started, lost };
+std::atomic<Threads> g_threads = Threads::none;
+
+void need_threads() {
+  if (g_threads == Threads::lost)
+    throw std::runtime_error(
+        "this process was forked after Raio had started threads; start processes with "
+        "multiprocessing's method \"spawn\" or \"forkserver\"");
+  g_threads = Threads::started;
+}
+
+// Calls f without the GIL.
+template <class F>
+auto unlocked(const F& f) {
+  need_threads();
+  const nb::gil_scoped_release no_gil;
+  return f();
+}
+
 // The newest progress, from the library's thread to Python's.
 class Board {
  public:
@@ -144,6 +171,7 @@ void attended(const std::function<void()>& work, const std::function<void()>& ca
   bool is_done = false;
   std::exception_ptr failure;
   std::optional<nb::python_error> raised;
+  need_threads();
   {
     const nb::gil_scoped_release no_gil;
     std::thread worker([&] {
@@ -194,14 +222,10 @@ raio::Film render(const raio::Accel& accel, const raio::Settings& settings, cons
   std::optional<raio::Job> job;
   std::optional<raio::Film> film;
   Board board;
-  {
-    const nb::gil_scoped_release no_gil;
-    job.emplace(accel, settings, begun ? std::optional(*begun) : std::nullopt);
-  }
+  unlocked([&] { job.emplace(accel, settings, begun ? std::optional(*begun) : std::nullopt); });
   if (!report.is_none()) job->on_progress([&](const auto& progress) { board.post(progress); });
   attended([&] { film.emplace(job->run()); }, [&] { job->cancel(); }, board, report);
-  const nb::gil_scoped_release no_gil;
-  job.reset();
+  unlocked([&] { job.reset(); });
   return std::move(*film);
 }
 
@@ -225,7 +249,6 @@ void bind_scene(nb::module_& m) {
   nb::class_<Scene>(m, "Scene")
       .def(nb::init<>())
       .def(nb::init<const Scene&>())
-      .def_static("figure", &Scene::figure)
       .def_static(
           "read",
           [](const std::string& path, const raio::Settings& settings, const nb::object& report) {
@@ -234,11 +257,20 @@ void bind_scene(nb::module_& m) {
             return std::move(*scene);
           },
           "path"_a, "settings"_a, "report"_a = nb::none())
+      .def_static(
+          "parse",
+          [](const nb::bytes& data, const std::string& name, const raio::Settings& settings) {
+            const std::string_view text(data.c_str(), data.size());
+            std::optional<Scene> scene;
+            executed(&settings, nb::none(),
+                     [&] { scene.emplace(Scene::parse(text, name, settings)); });
+            return std::move(*scene);
+          },
+          "data"_a, "name"_a, "settings"_a)
       .def_static("from_bytes",
                   [](const nb::bytes& data) {
                     const std::string_view text(data.c_str(), data.size());
-                    const nb::gil_scoped_release no_gil;
-                    return Scene::from_bytes(text);
+                    return unlocked([&] { return Scene::from_bytes(text); });
                   })
       .def("to_bytes",
            [](const Scene& scene) {
@@ -246,7 +278,10 @@ void bind_scene(nb::module_& m) {
              executed(nullptr, nb::none(), [&] { data = scene.to_bytes(); });
              return bytes(data);
            })
-      .def("write", &Scene::write, nb::call_guard<nb::gil_scoped_release>())
+      .def("write",
+           [](const Scene& scene, const std::string& path) {
+             executed(nullptr, nb::none(), [&] { scene.write(path); });
+           })
       .def("warnings", &Scene::warnings)
       .def("camera", [](const Scene& scene) { return camera_tuple(scene.camera()); })
       .def("set_camera",
@@ -255,8 +290,13 @@ void bind_scene(nb::module_& m) {
                  {from, at, up, fov_deg,
                   parallel ? raio::Projection::orthographic : raio::Projection::perspective});
            })
-      .def("fit_camera", &Scene::fit_camera, nb::call_guard<nb::gil_scoped_release>(),
-           "direction"_a.none(), "up"_a, "margin"_a)
+      .def(
+          "fit_camera",
+          [](Scene& scene, std::optional<Triple> direction, Triple up, double margin) {
+            unlocked([&] { scene.fit_camera(direction, up, margin); });
+          },
+          "direction"_a.none(), "up"_a, "margin"_a)
+      .def("set_figure", &Scene::set_figure)
       .def("set_background", &Scene::set_background)
       .def("add_light", &Scene::add_light, "position"_a, "color"_a.none(), "size"_a)
       .def("add_material",
@@ -369,7 +409,7 @@ void bind_rays(nb::module_& m) {
              all["distance"] = owned(std::move(distance), {n});
              if (!wants_all) return all;
              all["kind"] = owned(std::move(kind), {n});
-             all["index"] = owned(std::move(index), {n});
+             all["id"] = owned(std::move(index), {n});
              all["instance"] = owned(std::move(instance), {n});
              all["position"] = owned(std::move(position), {n, 3});
              all["normal"] = owned(std::move(normal), {n, 3});
@@ -395,27 +435,29 @@ void bind_film(nb::module_& m) {
   };
   nb::class_<Film>(m, "Film")
       .def(nb::init<const Film&>())
-      .def_static("read", &Film::read, nb::call_guard<nb::gil_scoped_release>())
       .def_static(
-          "from_bytes",
-          [](const nb::bytes& data) { return Film::from_bytes({data.c_str(), data.size()}); })
+          "read",
+          [](const std::string& path) { return unlocked([&] { return Film::read(path); }); })
+      .def_static("from_bytes",
+                  [](const nb::bytes& data) {
+                    const std::string_view text(data.c_str(), data.size());
+                    return unlocked([&] { return Film::from_bytes(text); });
+                  })
       .def_static("merge",
                   [](const std::vector<const Film*>& films) {
-                    const nb::gil_scoped_release no_gil;
-                    std::vector<Film> all;
-                    for (const Film* film : films) all.push_back(*film);
-                    return Film::merge(std::move(all));
+                    return unlocked([&] {
+                      std::vector<Film> all;
+                      for (const Film* film : films) all.push_back(*film);
+                      return Film::merge(std::move(all));
+                    });
                   })
-      .def("to_bytes", [](const Film& film) { return bytes(film.to_bytes()); })
-      .def("write", &Film::write, nb::call_guard<nb::gil_scoped_release>())
+      .def("to_bytes",
+           [](const Film& film) { return bytes(unlocked([&] { return film.to_bytes(); })); })
+      .def("write",
+           [](const Film& film, const std::string& path) { unlocked([&] { film.write(path); }); })
       .def("encode",
            [](const Film& film, const std::string& format) {
-             std::string data;
-             {
-               const nb::gil_scoped_release no_gil;
-               data = film.encode(format);
-             }
-             return bytes(data);
+             return bytes(unlocked([&] { return film.encode(format); }));
            })
       .def("missing", &Film::missing)
       .def("samples", &Film::samples)
@@ -425,21 +467,13 @@ void bind_film(nb::module_& m) {
       .def("size", [](const Film& film) { return std::pair{film.width(), film.height()}; })
       .def("rgba",
            [size](const Film& film) {
-             std::vector<float> pixels;
-             {
-               const nb::gil_scoped_release no_gil;
-               pixels = film.rgba();
-             }
+             auto pixels = unlocked([&] { return film.rgba(); });
              const auto [h, w] = size(film);
              return owned(std::move(pixels), {h, w, 4});
            })
       .def("display",
            [size](const Film& film) {
-             std::vector<uint8_t> pixels;
-             {
-               const nb::gil_scoped_release no_gil;
-               pixels = film.display();
-             }
+             auto pixels = unlocked([&] { return film.display(); });
              const auto [h, w] = size(film);
              return owned(std::move(pixels), {h, w, 4});
            })
@@ -448,9 +482,9 @@ void bind_film(nb::module_& m) {
            [size](const Film& film, std::string_view name) -> nb::object {
              const auto [h, w] = size(film);
              if (name == "id" || name == "object" || name == "samples")
-               return nb::cast(owned(film.integers(name), {h, w}));
+               return nb::cast(owned(unlocked([&] { return film.integers(name); }), {h, w}));
              int components = 1;
-             auto values = film.channel(name, &components);
+             auto values = unlocked([&] { return film.channel(name, &components); });
              if (components == 1) return nb::cast(owned(std::move(values), {h, w}));
              return nb::cast(owned(std::move(values), {h, w, size_t(components)}));
            })
@@ -489,6 +523,11 @@ NB_MODULE(_raio, m) {
       raise(error);
     }
   });
+#ifndef _WIN32
+  pthread_atfork(nullptr, nullptr, [] {
+    if (g_threads == Threads::started) g_threads = Threads::lost;
+  });
+#endif
   bind_settings(m);
   bind_scene(m);
   bind_rays(m);
@@ -498,8 +537,7 @@ NB_MODULE(_raio, m) {
   m.def("version", &raio::version);
   m.def("parse_color", &raio::parse_color);
   m.def("to_linear", [](nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu> values) {
-    const nb::gil_scoped_release no_gil;
-    raio::to_linear(values.data(), values.size());
+    unlocked([&] { raio::to_linear(values.data(), values.size()); });
   });
   m.def("colormap", [](std::string_view name) { return owned(raio::colormap(name), {256, 3}); });
 }

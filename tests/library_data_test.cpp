@@ -79,6 +79,127 @@ TEST_F(LibraryData, TheBackgroundIsTheOneGiven) {
   EXPECT_EQ(corner(scene), (Floats{0, 0, 0}));
 }
 
+TEST_F(LibraryData, MeshesHaveVertexColoursAndTextures) {
+  const Floats corners = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, uv = {0, 0, 1, 0, 1, 1, 0, 1};
+  const Floats reds = {1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0};
+  const std::vector<uint32_t> faces = {0, 1, 2, 0, 2, 3};
+  const std::vector<uint8_t> texels = {255, 0, 0, 0, 255, 0};  // red, green
+  const auto albedo = [&](bool textured, bool colored) {
+    raio::Scene scene;
+    raio::Material material{.color = {1, 1, 1}, .kd = 1};
+    if (textured) material.texture = scene.add_texture(2, 1, texels.data());
+    scene.add_mesh({corners.data(), 4}, {faces.data(), 2}, {},
+                   textured ? raio::Column<float, 2>{uv.data(), 4} : raio::Column<float, 2>{},
+                   colored ? raio::Column<float, 3>{reds.data(), 4} : raio::Column<float, 3>{},
+                   scene.add_material(material));
+    scene.set_camera({{0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 30});
+    return raio::Job(scene, raio::Settings(small()).set("channels", "albedo"))
+        .run()
+        .channel("albedo");
+  };
+  const size_t left = 3 * (18 * 48 + 16), right = 3 * (18 * 48 + 32);
+  const Floats textured = albedo(true, false), both = albedo(true, true);
+  EXPECT_GT(textured[left], 0.7f);
+  EXPECT_GT(textured[right + 1], 0.7f);
+  EXPECT_GT(albedo(false, true)[right], 0.99f);
+  EXPECT_GT(both[left], 0.7f);
+  EXPECT_LT(both[right + 1], 0.01f) << "red times green";
+  raio::Scene scene;
+  const auto refused = [&](const auto& add, const char* why) {
+    try {
+      add();
+      ADD_FAILURE() << "nothing was refused: " << why;
+    } catch (const raio::Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+    EXPECT_EQ(scene.primitive_count(), 0u);
+  };
+  const raio::Column<float, 3> points{corners.data(), 4};
+  const raio::Column<uint32_t, 3> triangles{faces.data(), 2};
+  refused([&] { scene.add_mesh({corners.data(), 3}, triangles, {}, {}, {}); },
+          "triangle 1 refers to vertex 3 of 3");
+  refused([&] { scene.add_mesh(points, triangles, {}, {uv.data(), 3}, {}); },
+          "found 4 positions but 3 texture coordinates");
+  refused([&] { scene.add_mesh(points, triangles, {}, {}, {}, 7); }, "unknown material 7");
+  refused([&] { scene.add_texture(0, 1, texels.data()); }, "found 0 x 1");
+  refused([&] { scene.add_material({.texture = 3}); }, "unknown texture 3");
+}
+
+TEST_F(LibraryData, FittedCamerasShowEverything) {
+  raio::Scene scene = row({1, 1, 1});
+  scene.set_figure(true);
+  const auto covered = [&] {
+    const Floats pixels =
+        raio::Job(
+            scene,
+            raio::Settings(small()).set("integrator", "ambient").set("background", "transparent"))
+            .run()
+            .rgba();
+    float edge = 0, all = 0;
+    for (size_t y = 0; y < 36; ++y)
+      for (size_t x = 0; x < 48; ++x) {
+        const float alpha = pixels[4 * (48 * y + x) + 3];
+        all += alpha;
+        if (x == 0 || y == 0 || x == 47 || y == 35) edge += alpha;
+      }
+    EXPECT_LT(edge, 1);
+    return all;
+  };
+  scene.fit_camera(raio::Triple{-1, 0, 0}, {0, 1, 0});
+  const float side = covered();
+  EXPECT_LT(scene.camera().at[2], 0) << "the middle of the row";
+  scene.fit_camera(raio::Triple{-1, 0, 0}, {0, 1, 0}, 0.25);
+  EXPECT_NEAR(side / covered(), 4, 0.5) << "half the size";
+  scene.fit_camera();
+  EXPECT_GT(covered(), 50);
+  for (const double margin : {-0.1, 0.5})
+    EXPECT_THROW(scene.fit_camera(std::nullopt, {0, 0, 1}, margin), raio::Error);
+  EXPECT_THROW(scene.fit_camera(raio::Triple{0, 0, 0}), raio::Error);
+}
+
+TEST_F(LibraryData, FilesAreReadAsTheSettingsSay) {
+  put(file("a.xyz"), "3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n");
+  const auto filled = raio::Settings(small()).set("style", "space-filling");
+  const raio::Scene scene = raio::Scene::read(file("a.xyz"), filled);
+  EXPECT_NE(scene.primitive_count(), molecule().primitive_count());
+  const raio::Film film = raio::Job(scene, filled).run();
+  EXPECT_EQ(film.settings().get("style"), "space-filling");
+  EXPECT_EQ(film.rgba(), raio::Job(scene, small()).run().rgba());
+  try {
+    raio::Job job(molecule(), filled);
+    FAIL() << "nothing was refused";
+  } catch (const raio::Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("style is for reading a file"));
+  }
+}
+
+TEST_F(LibraryData, PicturesAreDisplayedAndEncodedInMemory) {
+  const raio::Film film =
+      raio::Job(row({1, 0.5f}),
+                raio::Settings(small()).set("background", "transparent").set("channels", "depth"))
+          .run();
+  const std::string png = film.encode(".png");
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  const std::vector<uint8_t> shown = film.display();
+  ASSERT_EQ(shown.size(), 4u * 48 * 36);
+  EXPECT_EQ(shown[3], 0) << "nothing in the corner";
+  EXPECT_EQ(shown[4 * (18 * 48 + 24) + 3], 255);
+  film.write(file("a.npz"));
+  EXPECT_EQ(film.encode(".npz"), get(file("a.npz")));
+  EXPECT_THROW((void)film.encode(".gif"), raio::Error);
+}
+
+TEST_F(LibraryData, ColoursBecomeLight) {
+  EXPECT_EQ(raio::parse_color("0.1,0.2,0.3"), (raio::Triple{0.1f, 0.2f, 0.3f}));
+  EXPECT_NEAR(raio::parse_color("#808080")[0], 0.2158, 1e-3);
+  float value = 0.5f;
+  raio::to_linear(&value, 1);
+  EXPECT_NEAR(value, 0.214, 1e-3);
+  EXPECT_EQ(raio::colormap("viridis").size(), 3u * 256);
+  EXPECT_THROW(raio::parse_color("reddish"), raio::Error);
+  EXPECT_THROW(raio::colormap("jet"), raio::Error);
+}
+
 TEST_F(LibraryData, RaysHitTransparentPrimitives) {
   const raio::Accel accel(row({0.5f, 1, 0.25f}));
   const raio::Ray down{{0, 0, 9}, {0, 0, -1}}, up{{0, 0, -20}, {0, 0, 1}};

@@ -410,6 +410,65 @@ TEST(LibraryAccel, StructuresMatchBruteForce) {
   EXPECT_GT(found, 2000u);
 }
 
+TEST(LibraryAccel, ArraysOfRaysHaveTheHitsOfSingleOnes) {
+  const raio::Accel accel(everything(std::make_shared<int>()));
+  const auto rays = random_rays(9000);
+  std::vector<std::array<float, 7>> rows(rays.size());  // a stride of 28 bytes
+  std::vector<raio::Ray> rounded(rays.size());
+  for (size_t i = 0; i < rays.size(); ++i) {
+    auto& row = rows[i];
+    for (size_t k = 0; k < 3; ++k)
+      row[k] = float(rays[i].origin[k]), row[3 + k] = float(rays[i].direction[k]);
+    row[6] = float(rays[i].length);
+    rounded[i] = {{double(row[0]), double(row[1]), double(row[2])},
+                  {double(row[3]), double(row[4]), double(row[5])},
+                  double(row[6])};
+  }
+  std::vector<raio::Hit> expected(rays.size());
+  accel.closest(rays.size(), rounded.data(), expected.data());
+  const size_t n = rays.size();
+  Floats distance(n), position(3 * n), normal(3 * n), uv(2 * n), alone(n);
+  std::vector<uint8_t> kind(n), occluded(n);
+  std::vector<int64_t> index(n), instance(n);
+  const raio::Column<float, 3> origins{rows[0].data(), n, 28},
+      directions{rows[0].data() + 3, n, 28};
+  const raio::Column<float> lengths{rows[0].data() + 6, n, 28};
+  accel.closest(origins, directions, lengths,
+                {distance.data(), kind.data(), index.data(), instance.data(), position.data(),
+                 normal.data(), uv.data()});
+  accel.closest(origins, directions, lengths, {alone.data()});
+  accel.occluded(origins, directions, lengths, occluded.data());
+  EXPECT_EQ(alone, distance);
+  for (size_t i = 0; i < n; ++i) {
+    const raio::Hit& hit = expected[i];
+    ASSERT_EQ(distance[i], float(hit.distance)) << i;
+    ASSERT_EQ(occluded[i] != 0, hit.found()) << i;
+    ASSERT_EQ(index[i], hit.found() ? int64_t(hit.index) : -1) << i;
+    ASSERT_EQ(instance[i], hit.instance) << i;
+    ASSERT_EQ(normal[3 * i], float(hit.normal[0])) << i;
+    if (!hit.found()) continue;
+    ASSERT_EQ(kind[i], uint8_t(hit.kind)) << i;
+    ASSERT_EQ(position[3 * i + 2], float(hit.position[2])) << i;
+    ASSERT_EQ(uv[2 * i + 1], float(hit.v)) << i;
+  }
+  EXPECT_THAT(
+      refusal([&] { accel.closest(origins, {rows[0].data(), n - 1, 28}, {}, {distance.data()}); }),
+      HasSubstr("found 9000 origins, but 8999 directions"));
+}
+
+TEST(LibraryAccel, OtherColoursShareTheTree) {
+  raio::Scene scene = everything(std::make_shared<int>());
+  const raio::Accel first(scene);
+  scene.add_light({3, 3, 3});
+  const raio::Accel second(scene, {}, &first);
+  EXPECT_EQ(second.info().bytes, first.info().bytes);
+  const auto picture = [&](const raio::Accel& accel) {
+    return raio::Job(accel, raio::Settings().set("size", "40x30")).run().rgba();
+  };
+  EXPECT_EQ(picture(second), picture(raio::Accel(scene)));
+  EXPECT_NE(picture(second), picture(first));
+}
+
 TEST(LibraryAccel, HitsHavePositionAndPrimitive) {
   raio::Scene scene = stage();
   const Floats center = {0, 0, 0}, radius = {2};

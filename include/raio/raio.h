@@ -131,13 +131,13 @@ class RAIO_API Scene {
   Scene& operator=(Scene&&) noexcept;
   ~Scene();
 
-  /// Empty, for a figure of data: like a file of atoms, points or meshes, it is lit from everywhere
-  /// (docs/ambient.md) unless settings or lights say otherwise, and its background is white.
-  static Scene figure();
   /// Reads a scene file of any supported format, with the reader's settings (`style`, `color-by`).
   /// The error states its first fault, with line and column.
   static Scene read(const std::string& path, const Settings& settings);
   static Scene read(const std::string& path);
+  /// The same for the bytes of such a file in memory; `name` with its suffix helps to detect the
+  /// format, and messages use it as the file name.
+  static Scene parse(std::string_view bytes, std::string_view name, const Settings& settings);
   /// The same for NFF in memory; messages use `name` as the file name.
   static Scene parse_nff(std::string_view text, std::string_view name = "scene");
   /// Writes the scene, whole or not at all, in the format given by the suffix.
@@ -157,6 +157,9 @@ class RAIO_API Scene {
   /// space on each side, as a fraction of the picture's size, below 0.5.
   void fit_camera(std::optional<Triple> direction = std::nullopt, Triple up = {0, 0, 1},
                   double margin = 0);
+  /// Whether it is a figure of data, like a file of atoms, points or meshes: by default lit from
+  /// everywhere (docs/ambient.md), on the background of the style.
+  void set_figure(bool is_figure);
   /// Replaces the background, or a sky.
   void set_background(Triple color);
   /// Adds a point light; without a colour it is white, and n such lights have 1 / sqrt(n) each.
@@ -479,7 +482,8 @@ class RAIO_API Film {
   std::vector<float> rgba() const;
   /// The picture as PNG displays it: red, green, blue, opacity of each pixel, row by row; straight.
   std::vector<uint8_t> display() const;
-  /// The bytes of a picture file: format ".png", ".exr", ".npz", ".npy", ".ppm" or ".pfm".
+  /// The bytes of a picture file: format ".png", which then has no channels but alpha, ".exr",
+  /// ".npz", ".npy", ".ppm" or ".pfm".
   std::string encode(std::string_view format) const;
   /// The names of the requested channels ("depth", "normal").
   std::vector<std::string> channels() const;

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
     from ._parts import (Cones as Cones, Discs as Discs, Ellipsoids as Ellipsoids,
                          Instances as Instances, Mesh as Mesh, Part as Part, Spheres as Spheres)
-    from ._rays import Hits as Hits
+    from ._rays import KINDS as KINDS, Hits as Hits
     from ._render_options import ReadOptions as ReadOptions, RenderOptions as RenderOptions
     from ._scene import (Material as Material, Scene as Scene, SceneError as SceneError,
                          SceneWarning as SceneWarning, load as load, render as render)
@@ -34,7 +34,7 @@ _MODULES = {
     "_color": ("colormap", "linear"),
     "_film": ("Film", "Image", "load_film", "merge"),
     "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Mesh", "Part", "Spheres"),
-    "_rays": ("Hits",),
+    "_rays": ("KINDS", "Hits"),
     "_render_options": ("ReadOptions", "RenderOptions"),
     "_scene": ("Material", "Scene", "SceneError", "SceneWarning", "load", "render"),
     "convert": ("from_ase", "from_biotite", "from_mdanalysis", "from_ovito", "from_pyvista",

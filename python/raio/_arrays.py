@@ -23,11 +23,9 @@ def numbers(name: str, value: Any, width: int | None, count: int | None = None) 
     Arrays of float32 whose rows are contiguous are returned as they are; others are copied. Raises
     TypeError for values that are not real numbers, ValueError for other shapes.
     """
-    array = np.asanyarray(value)
-    if isinstance(array, np.ma.MaskedArray):
-        if np.ma.is_masked(array):
-            raise ValueError(f"{name}: some values are masked; fill or remove them")
-        array = np.asarray(array)
+    if np.ma.is_masked(value):
+        raise ValueError(f"{name}: some values are masked; fill or remove them")
+    array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name}: expected real numbers, found an array of {array.dtype}")
     if width == 3 and count is None and array.shape == (3,):
@@ -41,7 +39,8 @@ def numbers(name: str, value: Any, width: int | None, count: int | None = None) 
     if array.shape[0] > _MOST:
         raise ValueError(f"{name}: expected at most {_MOST} rows, found {array.shape[0]}")
     if array.dtype == np.float32 and array.dtype.isnative and _is_plain(array):
-        return array
+        plain: Floats = array
+        return plain
     if array.dtype.kind == "f" and array.dtype.itemsize > 4:
         _warn_if_far(name, array)
     with np.errstate(over="ignore"):
@@ -69,14 +68,14 @@ def _warn_if_far(name: str, array: npt.NDArray[Any]) -> None:
 def per_row(name: str, value: Any, count: int) -> Floats:
     """A number for all rows (which is not repeated in memory), or one for each."""
     if np.ndim(value) == 0:
-        one = numbers(name, np.reshape(np.asanyarray(value), 1), None)
+        one = numbers(name, np.reshape(np.asarray(value), 1), None)
         return np.broadcast_to(one, (count,))
     return numbers(name, value, None, count)
 
 
 def indices(name: str, value: Any, width: Literal[2, 3, 4], limit: int) -> npt.NDArray[np.uint32]:
     """A copy of integers of shape (N, width) from 0 to limit - 1."""
-    array = np.asanyarray(value)
+    array = np.asarray(value)
     if array.dtype.kind not in "iu":
         raise TypeError(f"{name}: expected integers, found an array of {array.dtype}")
     if array.ndim != 2 or array.shape[1] != width:

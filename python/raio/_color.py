@@ -18,7 +18,7 @@ def linear(colors: npt.ArrayLike) -> Floats:
 
     colors: any shape, 0 to 1, or uint8. The curve is that of IEC 61966-2-1.
 
-    >>> float(linear(0.5).round(3))
+    >>> round(float(linear(0.5)), 3)
     0.214
     """
     array = np.asarray(colors)
@@ -102,7 +102,7 @@ def paint(colors: Any, count: int, cmap: Any, vmin: float | None, vmax: float | 
         return Painted(each=_mapped(numbers("colors", colors, None, count), cmap, vmin, vmax))
     if isinstance(colors, str) or np.shape(colors) == (3,):
         return Painted(one=one_color("colors", colors))
-    array = np.asanyarray(colors)
+    array = np.asarray(colors)
     if array.dtype.kind in "US":
         raise TypeError("colors: a list of names is not accepted; give (N, 3) numbers")
     if array.ndim == 1 and array.shape[0] == count:

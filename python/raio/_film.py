@@ -46,7 +46,8 @@ class Image:
     def __getitem__(self, channel: str) -> npt.NDArray[Any]:
         """A channel: (height, width) or (height, width, components), float32 or uint32."""
         try:
-            return self._film.channel(channel)
+            values: npt.NDArray[Any] = self._film.channel(channel)  # type: ignore[assignment]
+            return values
         except ValueError as error:
             raise KeyError(str(error)) from None
 
@@ -154,8 +155,9 @@ def load_film(path: Path, scene: "Scene | None" = None, **options: Any) -> Film:
 
 def merge(films: Iterable[Film | Image]) -> Film:
     """Combines the samples of films, in any order, exactly. Raises ValueError if one does not fit."""
-    parts = [film._film for film in films]
-    if not parts or any(part is None for part in parts):
+    all_films = list(films)
+    parts = [film._film for film in all_films if film._film is not None]
+    if not parts or len(parts) < len(all_films):
         raise ValueError("films: expected at least one, each with samples")
     return Film(_raio.Film.merge(parts))
 

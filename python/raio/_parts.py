@@ -195,7 +195,7 @@ class Mesh(Part):
                  material: "Material | None", colors: Any, opacity: Any, cmap: Any,
                  vmin: float | None, vmax: float | None):
         points = numbers("vertices", vertices, 3)
-        if np.asanyarray(faces).ndim == 2 and np.asanyarray(faces).shape[1] == 4:
+        if np.asarray(faces).ndim == 2 and np.asarray(faces).shape[1] == 4:
             quads = indices("faces", faces, 4, len(points))
             self._faces = np.concatenate((quads[:, :3], quads[:, [0, 2, 3]]))
             if _rows(colors) == len(quads) != len(points):
@@ -258,7 +258,7 @@ class Instances(Part):
     transforms: Floats = _array("transforms", "Matrices, (N, 12): three rows of four numbers each.")
 
     def __init__(self, scene: "Scene", object: "Scene", transforms: npt.ArrayLike):
-        rows = np.asanyarray(transforms)
+        rows = np.asarray(transforms)
         if rows.ndim == 3 and rows.shape[1:] in ((3, 4), (4, 4)):
             if rows.shape[1] == 4 and not np.allclose(rows[:, 3], (0, 0, 0, 1)):
                 raise ValueError("transforms: the last rows must be 0, 0, 0, 1")

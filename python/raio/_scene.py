@@ -4,7 +4,7 @@ import os
 import threading
 import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,10 @@ from ._options import settings, split
 from ._parts import Cones, Discs, Ellipsoids, Instances, Mesh, Part, Spheres
 from ._progress import Progress, Reporter
 from ._rays import Hits
+from ._render_options import FileOptions, ReadOptions, RenderOptions
+
+
+AnyPart = TypeVar("AnyPart", bound=Part)
 
 
 class SceneError(ValueError):
@@ -103,6 +107,7 @@ class Scene:
 
     def _start_caches(self) -> None:
         self._lock = threading.RLock()
+        self._primitives: _raio.Scene | None = None  # without camera and lights
         self._built: _raio.Scene | None = None
         self._geometry = 0  # counts changes of primitives
         self._accels: dict[tuple[Any, ...], tuple[_raio.Scene, int, _raio.Accel]] = {}
@@ -215,7 +220,7 @@ class Scene:
         to the surface. Colours and opacity as for spheres().
         """
         points = numbers("centers", centers, 3)
-        half = np.asanyarray(axes)
+        half = np.asarray(axes)
         half = half.reshape(len(half), 9) if half.ndim == 3 and half.shape[1:] == (3, 3) else half
         part = Ellipsoids(self, len(points), material, colors, opacity, cmap, vmin, vmax)
         part._arrays = {"centers": points, "axes": numbers("axes", half, 9, len(points))}
@@ -261,10 +266,15 @@ class Scene:
             raise ValueError("object: a scene cannot contain itself")
         return self._append(Instances(self, object, transforms))
 
-    def _append(self, part: Any) -> Any:
+    def _append(self, part: AnyPart) -> AnyPart:
         with self._lock:
+            core = self._all_primitives()
+            self._primitives = None  # a failure leaves half of the part
+            if len(part):
+                part._add(core)  # reports invalid numbers now
             self._parts.append(part)
             self._change(geometry=True)
+            self._primitives = core
         return part
 
     def _remove(self, part: Part) -> None:
@@ -274,7 +284,7 @@ class Scene:
 
     def _change(self, geometry: bool) -> None:
         with self._lock:
-            self._built = None
+            self._primitives = self._built = None
             if geometry:
                 self._geometry += 1
 
@@ -340,7 +350,7 @@ class Scene:
 
     # --- pictures
 
-    def render(self, *, progress: Progress = False, **options: Any) -> Image:
+    def render(self, *, progress: Progress = False, **options: Unpack[RenderOptions]) -> Image:
         """Renders a picture.
 
         Takes every rendering option of the command line as a keyword: `size=(1920, 1080)`,
@@ -350,12 +360,12 @@ class Scene:
 
         Raises TypeError for unknown options, ValueError for values that do not fit, MemoryError.
         """
-        return Image(self._render(options, progress))
+        return Image(self._render(dict(options), progress))
 
-    def start(self, **options: Any) -> Film:
+    def start(self, **options: Unpack[RenderOptions]) -> Film:
         """A picture to be refined with Film.add(); options as for render()."""
         settings(options)
-        return Film(None, self, options)
+        return Film(None, self, dict(options))
 
     def save(self, path: Path) -> None:
         """Writes the scene: .raio keeps everything; .nff, .ply, .gltf and .pov what they can."""
@@ -371,7 +381,10 @@ class Scene:
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
         """The lowest and the highest corner of all primitives; None if there are none."""
         box = self._core().bounds()
-        return None if box is None else (tuple(box[0]), tuple(box[1]))
+        if box is None:
+            return None
+        (x0, y0, z0), (x1, y1, z1) = box
+        return (x0, y0, z0), (x1, y1, z1)
 
     def __len__(self) -> int:
         """The number of primitives, including those of instances."""
@@ -398,8 +411,8 @@ class Scene:
         >>> float(scene.intersect([[0, 0, 5]], [[0, 0, -1]]).distance[0])
         4.0
         """
-        rays = self._rays(origins, directions, lengths)
-        return Hits(**self._accel({}, None)[0].closest(*rays, True))
+        starts, towards, limits = self._rays(origins, directions, lengths)
+        return Hits(**self._accel({}, None)[0].closest(starts, towards, limits, True))
 
     def occluded(self, origins: FloatsLike, directions: FloatsLike,
                  lengths: FloatsLike | None = None) -> npt.NDArray[np.bool_]:
@@ -421,14 +434,19 @@ class Scene:
                 self._built = self._make_core()
             return self._built
 
+    def _all_primitives(self) -> _raio.Scene:
+        if self._primitives is None:
+            core = _raio.Scene() if self._base is None else _raio.Scene(self._base)
+            for part in self._parts:
+                if len(part):
+                    part._add(core)
+            self._primitives = core
+        return self._primitives
+
     def _make_core(self) -> _raio.Scene:
-        if self._base is not None:
-            core = _raio.Scene(self._base)
-        else:
-            core = _raio.Scene() if self._lights else _raio.Scene.figure()
-        for part in self._parts:
-            if len(part):
-                part._add(core)
+        core = _raio.Scene(self._all_primitives())
+        if self._base is None:
+            core.set_figure(not self._lights)
         if self._base is None or self._is_fitted:
             if core.bounds() is not None:
                 core.fit_camera(*self._look)
@@ -478,7 +496,7 @@ class Scene:
 
     def __getstate__(self) -> dict[str, Any]:
         state = {name: value for name, value in self.__dict__.items()
-                 if name not in ("_lock", "_built", "_accels", "_geometry")}
+                 if name not in ("_lock", "_primitives", "_built", "_accels", "_geometry")}
         state["_base"] = None if self._base is None else self._base.to_bytes()
         return state
 
@@ -498,7 +516,7 @@ def _pairs(starts: FloatsLike, ends: FloatsLike) -> Any:
     return first, second
 
 
-def load(path: Path, *, progress: Progress = False, **options: Any) -> Scene:
+def load(path: Path, *, progress: Progress = False, **options: Unpack[ReadOptions]) -> Scene:
     """Reads a scene file of any format that the program reads (docs/files.md).
 
     Takes every reading option of the command line as a keyword: `style="sticks"`,
@@ -518,7 +536,7 @@ def load(path: Path, *, progress: Progress = False, **options: Any) -> Scene:
     return scene
 
 
-def render(path: Path, *, progress: Progress = False, **options: Any) -> Image:
+def render(path: Path, *, progress: Progress = False, **options: Unpack[FileOptions]) -> Image:
     """Reads a scene file and renders it: options as for load() and Scene.render()."""
     read, others = split(options)
     settings(others)  # reports errors before the file is read

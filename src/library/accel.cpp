@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "base/parallel.h"
 #include "integrate/surface.h"
@@ -161,40 +164,119 @@ void Accel::occluded(size_t count, const Ray* rays, uint8_t* occluded) const {
 
 namespace {
 
-// Calls trace(scratch, first, count, context) for chunks of the rays, on all threads.
-template <class Trace>
-void in_parallel(const Accel::Data& data, const Column<float, 3>& origins,
-                 const Column<float, 3>& directions, const Column<float>& lengths,
-                 const Trace& trace) {
-  const size_t count = origins.count;
-  if (directions.count != count || (lengths.data && lengths.count != count))
-    refuse(fmt::format("found {} origins, but {} directions{}", count, directions.count,
-                       lengths.data ? fmt::format(" and {} lengths", lengths.count) : ""));
-  if (count > 0 && !(origins.data && directions.data)) refuse("the rays are a null pointer");
-  // Rows may lie anywhere.
-  const auto at = [](const auto& column, size_t i, size_t k) {
+// Rays in the caller's arrays, whose rows may lie anywhere.
+struct RayColumns {
+  const Column<float, 3>&origins, &directions;
+  const Column<float>& lengths;  // perhaps none
+
+  Ray operator[](size_t i) const {
+    Ray ray{triple_at(origins, i), triple_at(directions, i)};
+    if (lengths.data) ray.length = double(at(lengths, i, 0));
+    return ray;
+  }
+
+ private:
+  template <size_t N>
+  static float at(const Column<float, N>& column, size_t i, size_t k) {
     float value = 0;
     const char* const row =
         reinterpret_cast<const char*>(column.data) + ptrdiff_t(i) * column.stride;
     std::memcpy(&value, row + k * sizeof(float), sizeof value);
     return value;
-  };
-  const auto triple_at = [&](const Column<float, 3>& column, size_t i) {
-    return Triple{double(at(column, i, 0)), double(at(column, i, 1)), double(at(column, i, 2))};
-  };
-  constexpr size_t kBatch = 4096;
-  PerThread<Scratch> scratches;
-  parallel_for((count + kBatch - 1) / kBatch, [&](size_t batch) {
-    Scratch& scratch = scratches.local();
-    TraceContext context;
-    const size_t first = batch * kBatch, n = std::min(kBatch, count - first);
-    scratch.rays.resize(n);
-    for (size_t i = first; i < first + n; ++i) {
-      Ray ray{triple_at(origins, i), triple_at(directions, i)};
-      if (lengths.data) ray.length = double(at(lengths, i, 0));
-      scratch.rays.set(i - first, ray_of(ray, i, data.scene.origin));
+  }
+  static Triple triple_at(const Column<float, 3>& column, size_t i) {
+    return {double(at(column, i, 0)), double(at(column, i, 1)), double(at(column, i, 2))};
+  }
+};
+
+// Orders rays so that those in similar directions that enter the scene's box nearby follow each
+// other. They then find the nodes that they need in the processor's caches, which halves the time
+// of random rays in a large scene.
+class RayOrder {
+ public:
+  explicit RayOrder(const Box3f& box) : box_(box) {
+    for (int axis = 0; axis < 3; ++axis)
+      cells_per_unit_[axis] = kCells / std::max(box.hi[axis] - box.lo[axis], 1e-30f);
+  }
+
+  // The numbers of all rays, by a counting sort.
+  void sort(std::span<const core::Ray> rays, std::vector<uint32_t>& order) {
+    keys_.resize(rays.size());
+    counts_.assign(kKeys + 1, 0);
+    for (size_t i = 0; i < rays.size(); ++i) ++counts_[(keys_[i] = key_of(rays[i])) + 1];
+    std::partial_sum(counts_.begin(), counts_.end(), counts_.begin());
+    order.resize(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) order[counts_[keys_[i]]++] = uint32_t(i);
+  }
+
+ private:
+  static constexpr uint32_t kCellBits = 5, kCells = 1 << kCellBits;
+  static constexpr size_t kKeys = size_t(8) << (3 * kCellBits);
+
+  uint32_t key_of(const core::Ray& ray) const {
+    float enter = 0;
+    for (int axis = 0; axis < 3; ++axis)
+      if (const float d = ray.dir[axis]; d != 0)
+        enter = std::max(enter, ((d > 0 ? box_.lo : box_.hi)[axis] - ray.origin[axis]) / d);
+    uint32_t key = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float place =
+          (ray.origin[axis] + enter * ray.dir[axis] - box_.lo[axis]) * cells_per_unit_[axis];
+      // Also for NaN.
+      const uint32_t cell = place > 0 ? uint32_t(std::min(place, float(kCells - 1))) : 0;
+      for (uint32_t bit = 0; bit < kCellBits; ++bit)
+        key |= (cell >> bit & 1) << (3 * bit + uint32_t(axis));
+      key |= uint32_t(ray.dir[axis] < 0) << (3 * kCellBits + uint32_t(axis));
     }
-    trace(scratch, first, n, context);
+    return key;
+  }
+
+  Box3f box_;
+  Vec3f cells_per_unit_;
+  std::vector<uint32_t> keys_, counts_;
+};
+
+// Calls trace(scratch, numbers, context) for batches of the rays, on all threads: ray i of the
+// batch is the caller's ray numbers[i].
+template <class Trace>
+void in_parallel(const Accel::Data& data, const RayColumns& rays, const Trace& trace) {
+  const size_t count = rays.origins.count;
+  if (rays.directions.count != count || (rays.lengths.data && rays.lengths.count != count))
+    refuse(
+        fmt::format("found {} origins, but {} directions{}", count, rays.directions.count,
+                    rays.lengths.data ? fmt::format(" and {} lengths", rays.lengths.count) : ""));
+  if (count > 0 && !(rays.origins.data && rays.directions.data))
+    refuse("the rays are a null pointer");
+  constexpr size_t kBatch = 4096, kLargestBlock = size_t(1) << 18;
+  const size_t block = std::clamp(count / (8 * size_t(max_concurrency())), kBatch, kLargestBlock);
+  struct Worker {
+    explicit Worker(const Box3f& box) : order(box) {}
+
+    Scratch scratch;
+    RayOrder order;
+    std::vector<core::Ray> rays;
+    std::vector<uint32_t> sorted;
+    std::vector<size_t> numbers;
+  };
+  PerThread<Worker> workers([box = bounds(data.scene)] { return Worker(box); });
+  parallel_for((count + block - 1) / block, [&](size_t b) {
+    Worker& w = workers.local();
+    const size_t first = b * block, n = std::min(block, count - first);
+    w.rays.resize(n);
+    for (size_t i = 0; i < n; ++i)
+      w.rays[i] = ray_of(rays[first + i], first + i, data.scene.origin);
+    w.order.sort(w.rays, w.sorted);
+    for (size_t begin = 0; begin < n; begin += kBatch) {
+      check_stop();
+      const size_t size = std::min(kBatch, n - begin);
+      w.scratch.rays.resize(size), w.numbers.resize(size);
+      for (size_t i = 0; i < size; ++i) {
+        w.scratch.rays.set(i, w.rays[w.sorted[begin + i]]);
+        w.numbers[i] = first + w.sorted[begin + i];
+      }
+      TraceContext context;
+      trace(w.scratch, std::span<const size_t>(w.numbers), context);
+    }
   });
 }
 
@@ -205,14 +287,16 @@ void Accel::closest(const Column<float, 3>& origins, const Column<float, 3>& dir
   const bool only_distance =
       !(hits.kind || hits.index || hits.instance || hits.position || hits.normal || hits.uv);
   guarded_work(0, [&] {
-    in_parallel(*data_, origins, directions, lengths,
-                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
+    in_parallel(*data_, {origins, directions, lengths},
+                [&](Scratch& scratch, std::span<const size_t> numbers, TraceContext& context) {
                   data_->accel->closest_of_all(scratch.rays, scratch.hits, context);
-                  for (size_t i = 0; i < n; ++i) {
-                    const size_t to = first + i;
-                    if (hits.distance) hits.distance[to] = scratch.hits[i].t;
+                  for (size_t i = 0; i < numbers.size(); ++i) {
+                    const size_t to = numbers[i];
+                    const core::Hit nearest = scratch.hits[i];
+                    if (hits.distance)
+                      hits.distance[to] = nearest.found() ? nearest.t : float(INFINITY);
                     if (only_distance) continue;
-                    const Hit hit = hit_of(*data_, scratch.rays[i], scratch.hits[i]);
+                    const Hit hit = hit_of(*data_, scratch.rays[i], nearest);
                     const bool found = hit.found();
                     if (hits.kind) hits.kind[to] = uint8_t(hit.kind);
                     if (hits.index) hits.index[to] = found ? int64_t(hit.index) : -1;
@@ -231,10 +315,11 @@ void Accel::closest(const Column<float, 3>& origins, const Column<float, 3>& dir
 void Accel::occluded(const Column<float, 3>& origins, const Column<float, 3>& directions,
                      const Column<float>& lengths, uint8_t* occluded) const {
   guarded_work(0, [&] {
-    in_parallel(*data_, origins, directions, lengths,
-                [&](Scratch& scratch, size_t first, size_t n, TraceContext& context) {
-                  find_occluded(*data_, scratch, n, context);
-                  std::copy_n(scratch.occluded.begin(), n, occluded + first);
+    in_parallel(*data_, {origins, directions, lengths},
+                [&](Scratch& scratch, std::span<const size_t> numbers, TraceContext& context) {
+                  find_occluded(*data_, scratch, numbers.size(), context);
+                  for (size_t i = 0; i < numbers.size(); ++i)
+                    occluded[numbers[i]] = scratch.occluded[i];
                 });
   });
 }

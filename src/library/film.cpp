@@ -184,8 +184,9 @@ std::vector<uint8_t> Film::display() const {
 std::string Film::encode(std::string_view format) const {
   return guarded_work(data_->threads, [&] {
     const std::string name = "picture" + std::string(format);
-    const auto picture = finished_picture(data_->part, name);
+    auto picture = finished_picture(data_->part, name);
     if (!picture) fail(picture.error());
+    if (format == ".png") picture->layers.clear();
     auto bytes = encode_image(*picture, name, data_->part.header.settings);
     if (!bytes) fail(bytes.error());
     return *std::move(bytes);

@@ -52,13 +52,6 @@ Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
 Scene::~Scene() = default;
 
-Scene Scene::figure() {
-  Scene scene;
-  scene.data_->scene.dialect = Dialect::data;
-  scene.data_->scene.materials = {{.color = Rgb(0.8f), .kd = 1}};
-  return scene;
-}
-
 Scene Scene::read(const std::string& path) { return read(path, {}); }
 
 Scene Scene::read(const std::string& path, const Settings& settings) {
@@ -66,6 +59,16 @@ Scene Scene::read(const std::string& path, const Settings& settings) {
     ReadOptions read = settings.data().read;
     read.instances = true;
     Scene scene(taken(read_scene(path, read)));
+    scene.data_->read = std::move(read);
+    return scene;
+  });
+}
+
+Scene Scene::parse(std::string_view bytes, std::string_view name, const Settings& settings) {
+  return guarded_work(settings.data().options.threads, [&] {
+    ReadOptions read = settings.data().read;
+    read.instances = true;
+    Scene scene(taken(parse_scene(bytes, name, read)));
     scene.data_->read = std::move(read);
     return scene;
   });
@@ -149,6 +152,10 @@ void Scene::fit_camera(std::optional<Triple> direction, Triple up, double margin
     camera.horizontal_fov_deg = widened(camera.horizontal_fov_deg);
     scene.camera = camera;
   });
+}
+
+void Scene::set_figure(bool is_figure) {
+  data_->scene.dialect = is_figure ? Dialect::data : Dialect::nff;
 }
 
 void Scene::set_background(Triple color) {

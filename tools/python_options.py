@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""Writes python/raio/_render_options.py: the options of the command line as types of keyword arguments.
+
+`./check python` compares the file with what this prints.
+"""
+
+import textwrap
+
+from raio._options import table
+
+TYPES = {
+    "switch": "bool",
+    "integer": "int",
+    "number": "float",
+    "vector": "npt.ArrayLike",
+    "color": "str | npt.ArrayLike",
+    "size": "tuple[int, int] | str",
+    "list": "str | Sequence[str] | Sequence[float]",
+    "text": "str | int",
+}
+
+
+def type_of(option):
+    if option["type"] != "words":
+        return TYPES[option["type"]]
+    words = "Literal[" + ", ".join(f'"{word}"' for word in option["words"]) + "]"
+    return words + " | bool" if "on" in option["words"] else words
+
+
+def entry(keyword, option):
+    comment = textwrap.wrap(option["help"].replace("`", ""), 94)
+    lines = [f"    # {line}" for line in comment]
+    one = f"    {keyword}: {type_of(option)} | None"
+    if len(one) <= 100:
+        return "\n".join([*lines, one])
+    words = textwrap.wrap(type_of(option)[8:-1], 88)
+    return "\n".join([*lines, f"    {keyword}: Literal[", *(f"        {w}" for w in words), "    ] | None"])
+
+
+def class_text(name, doc, options):
+    return f'class {name}(TypedDict, total=False):\n    """{doc}"""\n\n' + "\n\n".join(options)
+
+
+def text():
+    options = table()
+    read = [entry(k, o) for k, o in options.items() if o["of_reader"]]
+    others = [entry(k, o) for k, o in options.items() if not o["of_reader"]]
+    return "\n\n\n".join([
+        '"""The options of the command line as types of keyword arguments; by tools/python_options.py."""'
+        "\n\nfrom collections.abc import Sequence\nfrom typing import Literal, TypedDict"
+        "\n\nimport numpy.typing as npt",
+        class_text("ReadOptions", "How load() reads a file. None: the default.", read),
+        class_text("RenderOptions", "How Scene.render() and Scene.start() make a picture. None: the "
+                   "default.", others),
+        class_text("FileOptions", "Both, for raio.render().", []).replace("(TypedDict, total=False)",
+                                                                           "(ReadOptions, RenderOptions)"),
+    ]).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    print(text(), end="")
