@@ -18,8 +18,14 @@ add_custom_target(raio_package ALL
   COMMENT "Copying the Python package")
 add_dependencies(raio_package raio_python)
 target_link_libraries(raio_python PRIVATE raio_static)
+# nanobind's headers use stderr without including its header.
+foreach(target raio_python nanobind-static nanobind-static-abi3)
+  if(TARGET ${target})
+    target_compile_options(${target} PRIVATE -include stdio.h)
+  endif()
+endforeach()
 if(UNIX AND NOT APPLE)  # everything but its entry is its own
-  target_link_options(raio_python PRIVATE LINKER:--exclude-libs,ALL)
+  target_link_options(raio_python PRIVATE LINKER:--version-script,${PROJECT_SOURCE_DIR}/python/exported.map)
 endif()
 
 install(TARGETS raio_python LIBRARY DESTINATION raio COMPONENT python)

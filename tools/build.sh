@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Shared by ./raio and ./check: installs missing packages, builds a preset. Sourced by bash; needs
+# Shared by ./raio, ./check and tools/wheels: installs missing packages, builds a preset. Sourced by bash; needs
 # $root, the folder of the project. Messages go to stderr, so stdout has only results.
 : "${root:?}"
 
