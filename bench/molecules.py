@@ -8,7 +8,14 @@ tracer with its defaults; OVITO's Tachyon with its defaults (12 samples, 12 occl
 antialiasing, the scene that `raio convert` writes; Raio with its defaults, with the samples of OVITO, and with 4 and 1.
 Runs alternate; the results are the median seconds of whole processes and the largest memory. Missing programs are
 skipped. OVITO is a module of the Python given by --python. --keep stores the pictures in a folder."""
-import argparse, os, pathlib, statistics, subprocess, sys, tempfile, time
+import argparse
+import os
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PYMOL = """load {file}, m

@@ -10,7 +10,15 @@ A peer is a C++ source (built with Embree and TBB into build/peers) or a program
 and prints `render_s SECONDS` of the fastest of REPEAT frames, and `rays COUNT`. Programs run
 alternately, so other load affects them alike; each run is a new process and gives its fastest frame,
 and the table uses the median of the runs. Ratios are Raio's time over the peer's."""
-import argparse, json, math, pathlib, re, statistics, subprocess, sys, tempfile
+import argparse
+import json
+import math
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # By name: the peer's AA, SOFT and DOF, and the options that give Raio the peer's light and lens.

@@ -5,7 +5,12 @@
 
 Each scene is rendered by Raio and, exported by `raio export`, by POV-Ray (Debian's package povray), to
 8-bit PNG. --keep stores the pictures of the last depth in a folder: NAME-raio.png, NAME-pov.png, NAME-diff.png."""
-import argparse, pathlib, re, subprocess, sys, tempfile
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 

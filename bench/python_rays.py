@@ -8,10 +8,9 @@ import sys
 import time
 
 import numpy as np
+import raio
 import trimesh
 import trimesh.ray.ray_pyembree  # fails if Embree is missing: the other way would be slow
-
-import raio
 
 n = int(float(sys.argv[1] if len(sys.argv) > 1 else 10) * 1e6)
 rounds = int(sys.argv[2] if len(sys.argv) > 2 else 3)

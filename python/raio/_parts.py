@@ -51,13 +51,14 @@ class Part:
 
     @property
     def colors(self) -> Any:
-        """Colours as given: None, one colour, (N, 3), (N, 4), or (N,) values of a colour map."""
+        """Colours as given: None, one colour, (N, 3), (N, 4), or (N,) values, which keep their map."""
         return self._colors
 
     @colors.setter
     def colors(self, value: Any) -> None:
-        self._set_colors(value)
-        self._scene._change(geometry=False)
+        are_values = not isinstance(value, str) and np.ndim(value) == 1 and (
+            self._map[0] is not None and np.shape(value) == np.shape(self._colors))
+        self.recolor(value, *(self._map if are_values else (None, None, None)))
 
     @property
     def opacity(self) -> Any:
@@ -78,6 +79,17 @@ class Part:
     def material(self, value: "Material | None") -> None:
         self._material = value
         self._scene._change(geometry=True)
+
+    def recolor(self, colors: Any, cmap: Any = None, vmin: float | None = None,
+                vmax: float | None = None) -> None:
+        """Other colours, perhaps through another colour map; arguments as for Scene.spheres()."""
+        before, self._map = self._map, (cmap, vmin, vmax)
+        try:
+            self._set_colors(colors)
+        except (TypeError, ValueError):
+            self._map = before
+            raise
+        self._scene._change(geometry=False)
 
     def _set_colors(self, colors: Any) -> None:
         paint(colors, self._count, *self._map)  # reports errors now

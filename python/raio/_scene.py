@@ -19,7 +19,6 @@ from ._progress import Progress, Reporter
 from ._rays import Hits
 from ._render_options import FileOptions, ReadOptions, RenderOptions
 
-
 AnyPart = TypeVar("AnyPart", bound=Part)
 
 

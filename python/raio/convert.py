@@ -78,8 +78,8 @@ def from_mdanalysis(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     Kept, as far as present: positions (angstroms), elements, names, residues, chains (chainIDs, else
     segments), temperature factors, occupancies, bonds and the box. Options are those of load(), with
     the selections of the command line: `style="sticks"`, `color_by="chain"`, `only="protein"`.
-    `cell=True` draws the box. Atoms without elements get them from their names, with a warning. Listed bonds are added to those
-    found by distance. Velocities and forces are not drawn.
+    `cell=True` draws the box. Atoms without elements get them from their names, with a warning. Listed
+    bonds are added to those found by distance. Velocities and forces are not drawn.
     """
     group = getattr(atoms, "atoms", None)
     if group is None or not hasattr(group, "positions"):

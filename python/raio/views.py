@@ -113,7 +113,8 @@ def _live_view() -> Any:
             return {**(data or {}), "image/png": self._still}, about
 
         def __repr__(self) -> str:
-            return "<raio.LiveView of %d x %d>" % self._live.size
+            width, height = self._live.size
+            return f"<raio.LiveView of {width} x {height}>"
 
     return LiveView
 

@@ -2,11 +2,22 @@
 
 import os
 import pathlib
+import shutil
+import tempfile
 
 import numpy as np
 import pytest
-
 import raio
+
+if not shutil.which("ffmpeg"):  # PyPI has it under another name
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        pass
+    else:
+        folder = tempfile.TemporaryDirectory()
+        os.symlink(get_ffmpeg_exe(), os.path.join(folder.name, "ffmpeg"))
+        os.environ["PATH"] += os.pathsep + folder.name
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

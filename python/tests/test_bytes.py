@@ -4,9 +4,8 @@ import subprocess
 import warnings
 
 import pytest
-from conftest import ROOT
-
 import raio
+from conftest import ROOT
 
 SCENES = ROOT / "scenes"
 

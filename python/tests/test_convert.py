@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import raio
 
 SMALL = {"size": (64, 48), "samples": 4}

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import raio
 
 SMALL = {"size": (32, 24), "samples": 1}

@@ -4,11 +4,10 @@ import os
 import warnings
 
 import numpy as np
+import raio
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-
-import raio
 
 EXAMPLES = settings(max_examples=int(os.environ.get("RAIO_EXAMPLES", "150")), deadline=None,
                     suppress_health_check=list(HealthCheck))

@@ -7,9 +7,8 @@ import weakref
 
 import numpy as np
 import pytest
-from conftest import pixels
-
 import raio
+from conftest import pixels
 
 
 def same(a, b):
@@ -116,6 +115,14 @@ def test_changes_are_shown_like_a_new_scene(cloud, rng):
     spheres.colors[:] = 0.25
     spheres.changed()
     assert same(pixels(scene), fresh(colors=spheres.colors))
+    values = rng.random(50)
+    spheres.recolor(values, cmap="plasma", vmax=2)
+    assert same(pixels(scene), fresh(colors=values, cmap="plasma", vmax=2))
+    spheres.colors = values[::-1]
+    assert same(pixels(scene), fresh(colors=values[::-1], cmap="plasma", vmax=2))
+    with pytest.raises(ValueError, match="are values"):
+        spheres.recolor(values)
+    spheres.colors = np.full((50, 3), 0.25, np.float32)
     spheres.opacity = 0.5
     assert same(pixels(scene), fresh(colors=spheres.colors, opacity=0.5))
     spheres.opacity = None

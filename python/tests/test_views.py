@@ -8,7 +8,6 @@ import zlib
 
 import numpy as np
 import pytest
-
 import raio
 from raio import views
 from raio._live import Live, Pace, png

@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import pickle
-import signal
 import subprocess
 import sys
 import textwrap
@@ -12,9 +11,8 @@ import time
 
 import numpy as np
 import pytest
-from conftest import pixels
-
 import raio
+from conftest import pixels
 
 
 def run(code, **options):
