@@ -14,35 +14,29 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ._color import colormap as colormap
-    from ._color import linear as linear
-    from ._film import Film as Film
-    from ._film import Image as Image
-    from ._film import load_film as load_film
-    from ._film import merge as merge
-    from ._parts import Cones as Cones
-    from ._parts import Discs as Discs
-    from ._parts import Ellipsoids as Ellipsoids
-    from ._parts import Instances as Instances
-    from ._parts import Mesh as Mesh
-    from ._parts import Part as Part
-    from ._parts import Spheres as Spheres
-    from ._rays import KINDS as KINDS
-    from ._rays import Hits as Hits
-    from ._render_options import ReadOptions as ReadOptions
-    from ._render_options import RenderOptions as RenderOptions
-    from ._scene import Material as Material
-    from ._scene import Scene as Scene
-    from ._scene import SceneError as SceneError
-    from ._scene import SceneWarning as SceneWarning
-    from ._scene import load as load
-    from ._scene import render as render
-    from .convert import from_ase as from_ase
-    from .convert import from_biotite as from_biotite
-    from .convert import from_mdanalysis as from_mdanalysis
-    from .convert import from_ovito as from_ovito
-    from .convert import from_pyvista as from_pyvista
-    from .convert import from_trimesh as from_trimesh
+    from ._color import colormap as colormap, linear as linear
+    from ._files import load as load, render as render
+    from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
+    from ._parts import (
+        Cones as Cones,
+        Discs as Discs,
+        Ellipsoids as Ellipsoids,
+        Instances as Instances,
+        Mesh as Mesh,
+        Part as Part,
+        Spheres as Spheres,
+    )
+    from ._rays import KINDS as KINDS, Hits as Hits
+    from ._render_options import ReadOptions as ReadOptions, RenderOptions as RenderOptions
+    from ._scene import Material as Material, Scene as Scene, SceneError as SceneError, SceneWarning as SceneWarning
+    from .convert import (
+        from_ase as from_ase,
+        from_biotite as from_biotite,
+        from_mdanalysis as from_mdanalysis,
+        from_ovito as from_ovito,
+        from_pyvista as from_pyvista,
+        from_trimesh as from_trimesh,
+    )
     from .movies import movie as movie
 
     __version__: str
@@ -50,11 +44,12 @@ if TYPE_CHECKING:
 # Imported on first use, with numpy: `import raio` takes a millisecond.
 _MODULES = {
     "_color": ("colormap", "linear"),
+    "_files": ("load", "render"),
     "_film": ("Film", "Image", "load_film", "merge"),
     "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Mesh", "Part", "Spheres"),
     "_rays": ("KINDS", "Hits"),
     "_render_options": ("ReadOptions", "RenderOptions"),
-    "_scene": ("Material", "Scene", "SceneError", "SceneWarning", "load", "render"),
+    "_scene": ("Material", "Scene", "SceneError", "SceneWarning"),
     "convert": ("from_ase", "from_biotite", "from_mdanalysis", "from_ovito", "from_pyvista",
                 "from_trimesh"),
     "movies": ("movie",),

@@ -2,7 +2,6 @@
 
 import os
 import threading
-import warnings
 from dataclasses import dataclass
 from typing import Any, TypeVar, Unpack
 
@@ -13,11 +12,11 @@ from . import _raio
 from ._arrays import FloatsLike, numbers, per_row, triple
 from ._color import ColorsLike, one_color
 from ._film import Film, Image, Path
-from ._options import settings, split
+from ._options import settings
 from ._parts import Cones, Discs, Ellipsoids, Instances, Mesh, Part, Spheres
 from ._progress import Progress, Reporter
 from ._rays import Hits
-from ._render_options import FileOptions, ReadOptions, RenderOptions
+from ._render_options import RenderOptions
 
 AnyPart = TypeVar("AnyPart", bound=Part)
 
@@ -570,30 +569,3 @@ def _pairs(starts: FloatsLike, ends: FloatsLike) -> Any:
         raise ValueError(f"starts and ends: expected equal shapes, found {first.shape} and "
                          f"{second.shape}")
     return first, second
-
-
-def load(path: Path, *, progress: Progress = False, **options: Unpack[ReadOptions]) -> Scene:
-    """Reads a scene file of any format that the program reads (docs/files.md).
-
-    Takes every reading option of the command line as a keyword: `style="sticks"`,
-    `color_by="chain"`, `frame=3`. Warnings are SceneWarning. Raises SceneError with file, line and
-    column.
-    """
-    read, others = split(options)
-    if others:
-        settings(others)  # reports unknown ones
-        raise TypeError(f"{next(iter(others))} is an option of render(), not of load()")
-    with Reporter(progress) as reporter:
-        core = _raio.Scene.read(os.fspath(path), settings(read), reporter.report)
-    for text in core.warnings():
-        warnings.warn(text, SceneWarning, stacklevel=2)
-    scene = Scene(background=None)
-    scene._base = core
-    return scene
-
-
-def render(path: Path, *, progress: Progress = False, **options: Unpack[FileOptions]) -> Image:
-    """Reads a scene file and renders it: options as for load() and Scene.render()."""
-    read, others = split(options)
-    settings(others)  # reports errors before the file is read
-    return load(path, progress=progress, **read).render(progress=progress, **others)

@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from . import _raio
 from ._color import linear
-from ._options import settings, split
+from ._files import read_settings, scene_of
 from ._scene import Material, Scene, SceneWarning
 
 if TYPE_CHECKING:
@@ -156,16 +156,7 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
 
 
 def _read(text: str, name: str, options: Any) -> Scene:
-    read, others = split(options)
-    if others:
-        settings(others)  # reports unknown ones
-        raise TypeError(f"{next(iter(others))} is an option of render()")
-    core = _raio.Scene.parse(text.encode(), name, settings(read))
-    for notice in core.warnings():
-        _warn(notice)
-    scene = Scene(background=None)
-    scene._base = core
-    return scene
+    return scene_of(_raio.Scene.parse(text.encode(), name, read_settings(options)), 4)
 
 
 def _checked(positions: Array) -> Array:

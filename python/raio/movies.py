@@ -10,8 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from ._film import Image
-from ._film import Path as AnyPath
+from ._film import Image, Path as AnyPath
 from ._progress import Progress, Reporter
 from ._scene import Scene
 

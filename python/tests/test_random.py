@@ -5,8 +5,7 @@ import warnings
 
 import numpy as np
 import raio
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra import numpy as hnp
 
 EXAMPLES = settings(max_examples=int(os.environ.get("RAIO_EXAMPLES", "150")), deadline=None,
