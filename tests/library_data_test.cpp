@@ -152,6 +152,9 @@ TEST_F(LibraryData, FittedCamerasShowEverything) {
   EXPECT_NEAR(side / covered(), 4, 0.5) << "half the size";
   scene.fit_camera();
   EXPECT_GT(covered(), 50);
+  scene.fit_camera(raio::Triple{0, 0, -1}, {0, 0, 1});
+  EXPECT_GT(covered(), 50) << "from above";
+  EXPECT_EQ(scene.camera().up, (raio::Triple{0, 1, 0}));
   for (const double margin : {-0.1, 0.5})
     EXPECT_THROW(scene.fit_camera(std::nullopt, {0, 0, 1}, margin), raio::Error);
   EXPECT_THROW(scene.fit_camera(raio::Triple{0, 0, 0}), raio::Error);

@@ -27,34 +27,38 @@ def type_of(option):
     return words + " | bool" if "on" in option["words"] else words
 
 
-def entry(keyword, option):
-    comment = textwrap.wrap(option["help"].replace("`", ""), 94)
-    lines = [f"    # {line}" for line in comment]
+def member(keyword, option):
     one = f"    {keyword}: {type_of(option)} | None"
-    if len(one) <= 100:
-        return "\n".join([*lines, one])
-    words = textwrap.wrap(type_of(option)[8:-1], 88)
-    return "\n".join([*lines, f"    {keyword}: Literal[", *(f"        {w}" for w in words), "    ] | None"])
+    if len(one) <= 110:
+        return one
+    words = textwrap.wrap(type_of(option)[8:-1], 100)
+    return "\n".join([f"    {keyword}: Literal[", *(f"        {w}" for w in words), "    ] | None"])
+
+
+def described(keyword, option):
+    return textwrap.fill(f"{keyword}: {option['help'].replace('`', '')}", 106, initial_indent=" " * 8,
+                         subsequent_indent=" " * 12)
 
 
 def class_text(name, doc, options):
-    return f'class {name}(TypedDict, total=False):\n    """{doc}"""\n\n' + "\n\n".join(options)
+    about = "\n".join(described(k, o) for k, o in options.items())
+    members = "\n".join(member(k, o) for k, o in options.items())
+    return (f'class {name}(TypedDict, total=False):\n    """{doc}\n\n    Attributes:\n{about}\n    """\n\n'
+            f"{members}")
 
 
 def text():
     options = table()
-    read = [entry(k, o) for k, o in options.items() if o["of_reader"]]
-    others = [entry(k, o) for k, o in options.items() if not o["of_reader"]]
+    read = {k: o for k, o in options.items() if o["of_reader"]}
+    others = {k: o for k, o in options.items() if not o["of_reader"]}
     return "\n\n\n".join([
         '"""The options of the command line as types of keyword arguments; by tools/python_options.py."""'
         "\n\nfrom collections.abc import Sequence\nfrom typing import Literal, TypedDict"
         "\n\nimport numpy.typing as npt",
-        class_text("ReadOptions", "How load() reads a file. None: the default.", read),
-        class_text("RenderOptions", "How Scene.render() and Scene.start() make a picture. None: the "
-                   "default.", others),
-        class_text("FileOptions", "Both, for raio.render().", []).replace("(TypedDict, total=False)",
-                                                                           "(ReadOptions, RenderOptions)"),
-    ]).rstrip() + "\n"
+        class_text("ReadOptions", "How raio.load() reads a file. None: the default.", read),
+        class_text("RenderOptions", "How Scene.render() makes a picture. None: the default.", others),
+        'class FileOptions(ReadOptions, RenderOptions):\n    """Both, for raio.render()."""',
+    ]) + "\n"
 
 
 if __name__ == "__main__":

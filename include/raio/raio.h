@@ -153,7 +153,8 @@ class RAIO_API Scene {
   void set_camera(const Camera& camera);
   Camera camera() const;
   /// Fits the camera to all finite primitives, seen in this direction (from the camera), or else at
-  /// an angle from above, with the projection and angle of the current camera. `margin`: the free
+  /// an angle from above, with the projection and angle of the current camera. If `up` is along the
+  /// direction, y is up, or else z. `margin`: the free
   /// space on each side, as a fraction of the picture's size, below 0.5.
   void fit_camera(std::optional<Triple> direction = std::nullopt, Triple up = {0, 0, 1},
                   double margin = 0);
@@ -449,8 +450,8 @@ class RAIO_API Film {
   /// Reads a part file (.raio), for example a checkpoint. The error states what is damaged.
   static Film read(const std::string& path);
   /// Writes a part file if the suffix is .raio, else a picture: .png .exr .npz .npy .ppm .pfm; .png
-  /// and .ppm with exposure and tone. Whole or not at all. The error states what the format cannot
-  /// store, or which samples are missing; a film ended by a time limit is complete.
+  /// and .ppm with exposure and tone. Only .exr and .npz have channels besides alpha. Whole or not at
+  /// all. The error states which samples are missing; a film ended by a time limit is complete.
   void write(const std::string& path) const;
   /// To and from the bytes of a part file, which are not trusted.
   std::string to_bytes() const;
@@ -482,8 +483,7 @@ class RAIO_API Film {
   std::vector<float> rgba() const;
   /// The picture as PNG displays it: red, green, blue, opacity of each pixel, row by row; straight.
   std::vector<uint8_t> display() const;
-  /// The bytes of a picture file: format ".png", which then has no channels but alpha, ".exr",
-  /// ".npz", ".npy", ".ppm" or ".pfm".
+  /// The bytes of such a picture file: format ".png", ".exr", ".npz", ".npy", ".ppm" or ".pfm".
   std::string encode(std::string_view format) const;
   /// The names of the requested channels ("depth", "normal").
   std::vector<std::string> channels() const;

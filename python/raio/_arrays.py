@@ -1,6 +1,6 @@
 """Arrays of callers: their shapes and types are checked, and float32 is passed on without a copy."""
 
-import warnings
+import difflib
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +10,17 @@ Floats = npt.NDArray[np.float32]
 FloatsLike = npt.ArrayLike
 
 _MOST = 2**31 - 1  # primitives of one call
+
+
+class Strict:
+    """Refuses to set public attributes that the class has not: they are misspelt."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and not hasattr(type(self), name):
+            near = difflib.get_close_matches(name, [n for n in dir(type(self)) if n[0] != "_"], 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise AttributeError(f"raio.{type(self).__name__} has no attribute {name!r}{hint}")
+        super().__setattr__(name, value)
 
 
 def _shape_text(width: int | None, count: int | None) -> str:
@@ -41,8 +52,6 @@ def numbers(name: str, value: Any, width: int | None, count: int | None = None) 
     if array.dtype == np.float32 and array.dtype.isnative and _is_plain(array):
         plain: Floats = array
         return plain
-    if array.dtype.kind == "f" and array.dtype.itemsize > 4:
-        _warn_if_far(name, array)
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(array, dtype=np.float32)
 
@@ -50,19 +59,6 @@ def numbers(name: str, value: Any, width: int | None, count: int | None = None) 
 def _is_plain(array: npt.NDArray[Any]) -> bool:
     inner = array.ndim < 2 or array.shape[1] < 2 or array.strides[1] == 4
     return inner and (array.shape[0] < 2 or array.strides[0] % 4 == 0)
-
-
-def _warn_if_far(name: str, array: npt.NDArray[Any]) -> None:
-    if array.ndim != 2 or array.shape[0] < 2:
-        return
-    with np.errstate(invalid="ignore"):
-        least, most = array.min(axis=0), array.max(axis=0)
-        extent, farthest = (most - least).max(), max(abs(least).max(), abs(most).max())
-    if np.isfinite(farthest) and farthest > 1e5 * extent > 0:
-        warnings.warn(
-            f"{name} are {farthest:g} away from 0 but only {extent:g} wide; single precision keeps "
-            f"steps of {np.spacing(np.float32(farthest)):g}. Subtract their centre first",
-            stacklevel=5)
 
 
 def per_row(name: str, value: Any, count: int) -> Floats:

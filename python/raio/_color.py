@@ -100,6 +100,8 @@ def paint(colors: Any, count: int, cmap: Any, vmin: float | None, vmax: float | 
     """The argument `colors` of `count` primitives."""
     if cmap is None and (vmin is not None or vmax is not None):
         raise ValueError("vmin and vmax are the ends of a colour map; give cmap, too")
+    if not isinstance(colors, str) and np.asarray(colors).dtype.kind in "US":
+        raise TypeError("colors: a list of names is not accepted; give (N, 3) numbers")
     if colors is None:
         if cmap is not None:
             raise ValueError("cmap colours values; give them as colors, with the shape (N,)")
@@ -109,8 +111,6 @@ def paint(colors: Any, count: int, cmap: Any, vmin: float | None, vmax: float | 
     if isinstance(colors, str) or np.shape(colors) == (3,):
         return Painted(one=one_color("colors", colors))
     array = np.asarray(colors)
-    if array.dtype.kind in "US":
-        raise TypeError("colors: a list of names is not accepted; give (N, 3) numbers")
     if array.ndim == 1 and array.shape[0] == count:
         raise ValueError(
             f"colors: {array.shape} are values; give a colour map with cmap, or the shape "

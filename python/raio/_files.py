@@ -1,5 +1,6 @@
 """Scenes from files."""
 
+import errno
 import os
 import warnings
 from collections.abc import Mapping
@@ -23,7 +24,8 @@ def load(path: Path, *, progress: Progress = False, **options: Unpack[ReadOption
             `color_by="chain"`, `frame=3`; raio.ReadOptions lists them.
 
     Raises:
-        SceneError: the file cannot be read; with line and column.
+        FileNotFoundError: there is no such file.
+        SceneError: it cannot be read; with line and column.
 
     What is guessed or left out is a SceneWarning.
     """
@@ -39,8 +41,11 @@ def render(path: Path, *, progress: Progress = False, **options: Unpack[FileOpti
 
 def _load(path: Path, progress: Progress, options: Mapping[str, Any], stacklevel: int) -> Scene:
     wanted = read_settings(options)
+    name = os.fspath(path)
+    if name != "-" and not os.path.exists(name):
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
     with Reporter(progress) as reporter:
-        core = _raio.Scene.read(os.fspath(path), wanted, reporter.report)
+        core = _raio.Scene.read(name, wanted, reporter.report)
     return scene_of(core, stacklevel)
 
 

@@ -55,9 +55,9 @@ class Image:
         return np.asarray(self.display(), dtype=dtype)
 
     def save(self, path: Path) -> None:
-        """Writes .png, .exr, .npz, .npy, .ppm or .pfm, with channels where the format has them, or
-        .raio with all samples. Whole or not at all. Raises OSError, and ValueError if the format
-        cannot store a channel."""
+        """Writes .png, .ppm, .pfm or .npy, which hold colours (.png and .npy also alpha), .exr or .npz,
+        which hold all channels, too, or .raio with all samples. Whole or not at all. Raises OSError,
+        and ValueError for other suffixes."""
         self._film.write(os.fspath(path))
 
     def settings(self) -> dict[str, str]:
@@ -156,6 +156,9 @@ def load_film(path: Path, scene: "Scene | None" = None, **options: Any) -> Film:
 def merge(films: Iterable[Film | Image]) -> Film:
     """Combines the samples of films, in any order, exactly. Raises ValueError if one does not fit."""
     all_films = list(films)
+    for film in all_films:
+        if not isinstance(film, (Film, Image)):
+            raise TypeError(f"films: expected Films and Images, found {film!r}")
     parts = [film._film for film in all_films if film._film is not None]
     if not parts or len(parts) < len(all_films):
         raise ValueError("films: expected at least one, each with samples")

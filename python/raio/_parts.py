@@ -6,14 +6,14 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
-from ._arrays import Floats, indices, numbers, per_row
+from ._arrays import Floats, Strict, indices, numbers, per_row
 from ._color import Painted, paint
 
 if TYPE_CHECKING:
     from ._scene import Material, Scene
 
 
-class Part:
+class Part(Strict):
     """The primitives that one call of a Scene added.
 
     Its arrays are attributes. Assign another array, or write into the existing one and then call
@@ -29,7 +29,7 @@ class Part:
                  colors: Any, opacity: Any, cmap: Any, vmin: float | None, vmax: float | None):
         self._scene = scene
         self._count = count
-        self._material = material
+        self._material: Material | None = _checked_material(material)
         self._arrays: dict[str, Any] = {}
         self._map = (cmap, vmin, vmax)
         self._set_colors(colors)
@@ -77,7 +77,7 @@ class Part:
 
     @material.setter
     def material(self, value: "Material | None") -> None:
-        self._material = value
+        self._material = _checked_material(value)
         self._scene._change(geometry=True)
 
     def recolor(self, colors: Any, cmap: Any = None, vmin: float | None = None,
@@ -128,12 +128,23 @@ class Part:
         raise NotImplementedError
 
 
+def _checked_material(material: Any) -> Any:
+    from ._scene import Material
+
+    if material is not None and not isinstance(material, Material):
+        raise TypeError(f"material: expected a raio.Material, found {material!r}")
+    return material
+
+
 def _floats_of(colors: Any) -> Any:
-    # So that `part.colors[...] = x` writes to what the next picture shows.
-    if colors is None or isinstance(colors, (str, tuple)) or isinstance(colors, np.ndarray):
+    # So that `part.colors[...] = x` writes to what the next picture shows. As for other arrays, only
+    # those of float32 are the caller's.
+    if colors is None or isinstance(colors, (str, tuple)):
         return colors
     array = np.asarray(colors)
-    return array.astype(np.float32) if array.dtype.kind == "f" else array
+    if array.dtype == np.float32 and array.dtype.isnative:
+        return array
+    return array.astype(np.float32) if array.dtype.kind == "f" else array.copy()
 
 
 def _array(name: str, doc: str) -> Any:
@@ -196,7 +207,7 @@ class Discs(Part):
 
 
 class Mesh(Part):
-    """Triangles with common vertices, by Scene.mesh()."""
+    """Triangles with common vertices, by Scene.mesh(). `len()` counts faces as given."""
 
     _columns = {"vertices": 3, "normals": 3, "uv": 2}
     vertices: Floats = _array("vertices", "(V, 3), scene units.")
@@ -207,80 +218,91 @@ class Mesh(Part):
                  material: "Material | None", colors: Any, opacity: Any, cmap: Any,
                  vmin: float | None, vmax: float | None):
         points = numbers("vertices", vertices, 3)
-        if np.asarray(faces).ndim == 2 and np.asarray(faces).shape[1] == 4:
-            quads = indices("faces", faces, 4, len(points))
-            self._faces = np.concatenate((quads[:, :3], quads[:, [0, 2, 3]]))
-            if _rows(colors) == len(quads) != len(points):
-                colors = np.concatenate((colors, colors))
-        else:
-            self._faces = indices("faces", faces, 3, len(points))
-        # Colours belong to vertices, or to faces if their number fits only these.
-        self._by_face = _rows(colors) == len(self._faces) != len(points)
-        super().__init__(scene, len(self._faces) if self._by_face else len(points), material,
-                         colors, None, cmap, vmin, vmax)
+        shape = np.shape(faces)
+        self._are_quads = len(shape) == 2 and shape[1] == 4
+        corners = indices("faces", faces, 4 if self._are_quads else 3, len(points))
+        self._triangles = np.concatenate(
+            (corners[:, :3], corners[:, [0, 2, 3]])) if self._are_quads else corners
+        self._vertex_count = len(points)
+        super().__init__(scene, len(corners), material, colors, opacity, cmap, vmin, vmax)
         self._arrays = {"vertices": points, "normals": None, "uv": None}
         if normals is not None:
             self._arrays["normals"] = numbers("normals", normals, 3, len(points))
         if uv is not None:
             self._arrays["uv"] = numbers("uv", uv, 2, len(points))
-        self._count = len(self._faces)
-        self.opacity = opacity
 
     def _set(self, name: str, value: npt.ArrayLike) -> None:
-        count = len(self._arrays["vertices"])
-        self._arrays[name] = numbers(name, value, self._columns[name], count)
+        self._arrays[name] = numbers(name, value, self._columns[name], self._vertex_count)
+
+    def _rows_of(self, colors: Any) -> int:
+        """Colours belong to vertices, or to faces if their number fits only these."""
+        is_by_face = colors is not None and np.shape(colors)[:1] == (self._count,)
+        return self._count if is_by_face else self._vertex_count
 
     def _set_colors(self, colors: Any) -> None:
-        if self._arrays:
-            self._by_face = _rows(colors) == len(self._faces) != len(self.vertices)
-        self._painted_rows = len(self._faces) if self._by_face else (
-            len(self.vertices) if self._arrays else self._count)
-        paint(colors, self._painted_rows, *self._map)
+        paint(colors, self._rows_of(colors), *self._map)
         self._colors = _floats_of(colors)
 
     def _add(self, core: _raio.Scene) -> None:
-        painted = paint(self._colors, self._painted_rows, *self._map)
-        one = float(self._opacity) if isinstance(self._opacity, float) else 1.0
-        each = None if self._opacity is None or isinstance(self._opacity, float) else self._opacity
-        if painted.opacity is not None and self._by_face:
-            each = painted.opacity
-        elif painted.opacity is not None:
-            raise ValueError("colors: opacities of vertices are not supported; give opacity")
+        rows = self._rows_of(self._colors)
+        painted = paint(self._colors, rows, *self._map)
+        is_by_face = painted.each is not None and rows != self._vertex_count
+        opacity = self._opacity
+        if painted.opacity is not None:
+            if not is_by_face:
+                raise ValueError("colors: opacities of vertices are not supported; give opacity")
+            opacity = painted.opacity if opacity is None else opacity
+        one = float(opacity) if isinstance(opacity, float) else 1.0
+        each = None if opacity is None or isinstance(opacity, float) else self._per_triangle(opacity)
         uv = self._arrays["uv"]
-        if each is not None or self._by_face or (painted.each is None and uv is None):
-            if uv is not None or (painted.each is not None and not self._by_face):
-                raise ValueError("opacity: one per face cannot be combined with uv or colours of vertices")
-            core.add_triangles(self.vertices, self._faces, self.normals,
-                               self._number(core, painted, one), painted.each, each)
+        if each is not None or is_by_face or (painted.each is None and uv is None):
+            if uv is not None or (painted.each is not None and not is_by_face):
+                raise ValueError(
+                    "opacity: one per face cannot be combined with uv or colours of vertices")
+            colors = None if painted.each is None else self._per_triangle(painted.each)
+            core.add_triangles(self.vertices, self._triangles, self.normals,
+                               self._number(core, painted, one), colors, each)
         else:
             if painted.each is not None:
                 painted = Painted(one=(1.0, 1.0, 1.0), each=painted.each)
-            core.add_mesh(self.vertices, self._faces, self.normals, uv, painted.each,
+            core.add_mesh(self.vertices, self._triangles, self.normals, uv, painted.each,
                           self._number(core, painted, one))
 
-
-def _rows(value: Any) -> int | None:
-    return None if value is None or isinstance(value, str) or np.ndim(value) == 0 else len(value)
+    def _per_triangle(self, of_faces: Floats) -> Floats:
+        return np.concatenate((of_faces, of_faces)) if self._are_quads else of_faces
 
 
 class Instances(Part):
-    """Copies of another scene, by Scene.instances()."""
+    """Copies of another scene, by Scene.instances(). Their looks are those of its parts."""
 
     _columns = {"transforms": 12}
     transforms: Floats = _array("transforms", "Matrices, (N, 12): three rows of four numbers each.")
 
     def __init__(self, scene: "Scene", object: "Scene", transforms: npt.ArrayLike):
+        rows = self._rows(transforms)
+        super().__init__(scene, len(rows), None, None, None, None, None, None)
+        self._object = object
+        self._set("transforms", rows)
+
+    @staticmethod
+    def _rows(transforms: npt.ArrayLike) -> npt.NDArray[Any]:
         rows = np.asarray(transforms)
         if rows.ndim == 3 and rows.shape[1:] in ((3, 4), (4, 4)):
             if rows.shape[1] == 4 and not np.allclose(rows[:, 3], (0, 0, 0, 1)):
                 raise ValueError("transforms: the last rows must be 0, 0, 0, 1")
-            rows = rows[:, :3].reshape(-1, 12)
-        elif rows.ndim != 2 or rows.shape[1] != 12:
+            return rows[:, :3].reshape(-1, 12)
+        if rows.ndim != 2 or rows.shape[1] != 12:
             raise ValueError(
                 f"transforms: expected the shape (N, 4, 4) or (N, 3, 4), found {rows.shape}")
-        super().__init__(scene, len(rows), None, None, None, None, None, None)
-        self._object = object
-        self._set("transforms", rows)
+        return rows
+
+    def _set(self, name: str, value: npt.ArrayLike) -> None:
+        super()._set(name, self._rows(value))
+
+    def _set_colors(self, colors: Any) -> None:
+        if colors is not None:
+            raise ValueError("colors: instances have those of their object; change that")
+        self._colors = None
 
     def _add(self, core: _raio.Scene) -> None:
         core.add_instances(core.add_prototype(self._object._core()), self.transforms)

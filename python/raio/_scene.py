@@ -2,6 +2,7 @@
 
 import os
 import threading
+import warnings
 from dataclasses import dataclass
 from typing import Any, TypeVar, Unpack
 
@@ -9,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
-from ._arrays import FloatsLike, numbers, per_row, triple
+from ._arrays import FloatsLike, Strict, numbers, per_row, triple
 from ._color import ColorsLike, one_color
 from ._film import Film, Image, Path
 from ._options import settings
@@ -83,18 +84,18 @@ class Material:
                                  self.opacity * opacity, texture)
 
 
-class Scene:
+class Scene(Strict):
     """Primitives from arrays, files or both, with lights and a camera.
 
-    Without lights a scene is a figure, lit from everywhere; with lights, NFF's shading is the
-    default. The camera shows everything unless camera() or look() is called. A scene may be changed
-    at any time. Arrays of float32 are not copied: they are kept alive, and must not be written to
-    while a picture is rendered (its pixels would be undefined, though nothing crashes); changed()
-    tells of changes.
+    Without lights a scene is a figure, lit from everywhere. With lights, `integrator="classic"` is
+    the default, with the tone curve "srgb". The camera shows everything unless camera() or look() is
+    called. A scene may be changed at any time. Arrays of float32 are not copied: they are kept alive,
+    and must not be written to while a picture is rendered (its pixels would be undefined, though
+    nothing crashes); changed() tells of changes.
 
     Args:
         background: a name, "#rrggbb", three numbers of light, "transparent", or None: that of the
-            style.
+            look, or white in a scene with lights.
 
     Examples:
         >>> import raio
@@ -104,7 +105,7 @@ class Scene:
         <raio.Image of 32 x 24>
     """
 
-    def __init__(self, background: str | npt.ArrayLike | None = "white"):
+    def __init__(self, background: str | npt.ArrayLike | None = None):
         self._base: _raio.Scene | None = None
         self._parts: list[Part] = []
         self._lights: list[tuple[Any, ...]] = []
@@ -315,6 +316,8 @@ class Scene:
 
     def _remove(self, part: Part) -> None:
         with self._lock:
+            if part not in self._parts:
+                raise ValueError(f"{part!r} is no longer in the scene")
             self._parts.remove(part)
             self._change(geometry=True)
 
@@ -379,7 +382,7 @@ class Scene:
 
         Args:
             direction: that of sight, from the camera on; None: at an angle from above.
-            up: the direction that is up in the picture.
+            up: the direction that is up in the picture; if it is that of sight, y, else z.
             margin: free space on each side, as a part of the picture, below 0.5.
         """
         towards = None if direction is None else triple("direction", direction)
@@ -415,12 +418,17 @@ class Scene:
         return Image(self._render(dict(options), progress))
 
     def start(self, **options: Unpack[RenderOptions]) -> Film:
-        """A picture to be refined with Film.add(); options as for render()."""
+        """A picture to be refined with Film.add(); options as for render(), without `samples`."""
+        for name in ("samples", "aa", "lens_samples", "sample_range"):
+            if name in options:
+                raise TypeError(f"{name} is not for start(): Film.add() takes the samples, and "
+                                "render() makes parts with sample_range")
         settings(options)
         return Film(None, self, dict(options))
 
     def save(self, path: Path) -> None:
-        """Writes the scene: .raio keeps everything; .nff, .ply, .gltf and .pov what they can."""
+        """Writes the scene: .raio keeps everything but the background, which is an option of pictures;
+        .nff, .ply, .gltf and .pov keep what they can."""
         self._core().write(os.fspath(path))
 
     def view(self, **options: Any) -> Any:
@@ -498,10 +506,27 @@ class Scene:
             self._primitives = core
         return self._primitives
 
+    @staticmethod
+    def _check_range(core: _raio.Scene) -> None:
+        box = core.bounds()
+        if box is None:
+            return
+        farthest, extent = np.abs(box).max(), np.subtract(box[1], box[0]).max()
+        if farthest > 1e18 or 0 < extent < 1e-18:
+            raise ValueError(f"positions reach {farthest:g} and are {extent:g} wide; expected at most "
+                             "1e18 and at least 1e-18: use other units")
+        if farthest > 4000 * extent > 0:
+            warnings.warn(f"positions are {farthest:g} away from 0 but only {extent:g} wide: single "
+                          f"precision keeps steps of {np.spacing(np.float32(farthest)):g}, and shadows "
+                          "may have spots. Subtract their centre first", stacklevel=5)
+
     def _make_core(self) -> _raio.Scene:
         core = _raio.Scene(self._all_primitives())
         if self._base is None:
             core.set_figure(not self._lights)
+            if self._lights:
+                core.set_background((1.0, 1.0, 1.0))
+            self._check_range(core)
         if self._base is None or self._is_fitted:
             if core.bounds() is not None:
                 core.fit_camera(*self._look)
@@ -537,13 +562,24 @@ class Scene:
             self._accels[key] = (core, self._geometry, accel)
             return accel, core
 
-    def _render(self, options: dict[str, Any], progress: Progress,
-                begun: "_raio.Film | None" = None) -> _raio.Film:
+    def _with_defaults(self, options: dict[str, Any]) -> dict[str, Any]:
+        """The options of a picture, with camera and background of the scene."""
         wanted = {name: value for name, value in options.items() if value is not None}
         if self._camera and not ({"from_", "at", "side", "fit"} & wanted.keys()):
             wanted = {**self._camera, **wanted}
         if self._background is not None and "background" not in wanted:
             wanted["background"] = self._background
+        if self._base is None:
+            if self._lights:
+                wanted.setdefault("tone", "srgb")  # colours are light
+            elif wanted.get("integrator") == "classic":
+                warnings.warn("the scene has no lights, without which `classic` is nearly black; add "
+                              "some with light()", stacklevel=4)
+        return wanted
+
+    def _render(self, options: dict[str, Any], progress: Progress,
+                begun: "_raio.Film | None" = None) -> _raio.Film:
+        wanted = self._with_defaults(options)
         all_settings = settings(wanted)
         with Reporter(progress) as reporter:
             accel, _ = self._accel(wanted, reporter.report)

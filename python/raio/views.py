@@ -139,9 +139,7 @@ def _open_window(scene: "Scene", options: dict[str, Any]) -> None:
         raise RuntimeError(
             "view() needs a display, and neither DISPLAY nor WAYLAND_DISPLAY is set; use a "
             "notebook, or render() and Image.save()")
-    wanted = dict(options)
-    if wanted.get("background") is None and scene.background is not None:
-        wanted["background"] = scene.background
+    wanted = scene._with_defaults(options)
     with tempfile.TemporaryDirectory(prefix="raio-") as folder:
         path = os.path.join(folder, "scene.raio")
         scene.save(path)

@@ -177,7 +177,7 @@ CALLS = [
     (lambda s: s.intersect(centers, centers[:4]), r"directions: .*\(5, 3\), found \(4, 3\)"),
     (lambda s: s.intersect(centers, centers * 0), r"ray 0: the direction is zero"),
     (lambda s: s.intersect(row(3, 0, NAN), centers + 1), r"ray 3: a number is not finite"),
-    (lambda s: s.start(samples="many"), r"samples: expected"),
+    (lambda s: s.start(seed="many"), r"seed: expected"),
     (lambda s: raio.Scene(background="nothing"), None),
 ]
 
@@ -201,5 +201,36 @@ def test_too_many_rows_are_refused():
 
 
 def test_coordinates_that_single_precision_cannot_tell_apart_are_reported():
+    scene = raio.Scene()
+    scene.spheres(centers + 1e6, 1)
     with pytest.warns(UserWarning, match="single precision keeps steps of 0.0625"):
-        raio.Scene().spheres(centers.astype(float) * 1e-3 + 1e6, 1)
+        scene.render(size=(8, 6), samples=1)
+    for unit in (1e20, 1e-30):
+        scene = raio.Scene()
+        scene.spheres(centers * unit, unit)
+        with pytest.raises(ValueError, match="use other units"):
+            scene.render(size=(8, 6), samples=1)
+
+
+def test_misspelt_attributes_are_refused():
+    scene = raio.Scene()
+    part = scene.spheres(centers, 1)
+    for of, name, near in ((part, "centres", "centers"), (part, "color", "colors"), (scene, "backgroud", "background")):
+        with pytest.raises(AttributeError, match=f"did you mean {near}"):
+            setattr(of, name, 1)
+    with pytest.raises(TypeError, match="expected a raio.Material"):
+        part.material = "red"
+    with pytest.raises(TypeError, match="expected a raio.Material"):
+        scene.spheres(centers, 1, material="red")
+    with pytest.raises(TypeError, match="list of names"):
+        scene.spheres(centers[:3], 1, colors=["red", "green", "blue"])
+    part.remove()
+    with pytest.raises(ValueError, match="no longer in the scene"):
+        part.remove()
+
+
+def test_classic_pictures_without_lights_are_reported():
+    scene = raio.Scene()
+    scene.spheres(centers, 1)
+    with pytest.warns(UserWarning, match="no lights"):
+        scene.render(size=(8, 6), integrator="classic")

@@ -186,6 +186,16 @@ def test_meshes_take_colours_of_vertices_and_faces_and_textures():
     uv = np.float32([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
     assert np.allclose(picture(material=texture, uv=uv), red, atol=1e-6)
     assert not same(picture(colors=np.float32([[1, 0, 0], [0, 0, 1]])), red)
+    scene = raio.Scene(background="black")
+    quad = scene.mesh(corners, [[0, 1, 2, 3]], colors=np.float32([[1, 0, 0]]))
+    scene.look(direction=(0, 1, 0))
+    assert len(quad) == 1 and same(pixels(scene, key_light=False), red)
+    quad.recolor([0.5], cmap="viridis")
+    with pytest.raises(ValueError):
+        quad.recolor([0.5, 1], cmap="viridis")
+    quad.vertices = corners + 1
+    quad.opacity = [0.5]
+    assert not same(pixels(scene, key_light=False), red)
     assert picture(colors="red", opacity=0.5)[15, 20, 0] < red[15, 20, 0]
 
 
@@ -199,6 +209,12 @@ def test_instances_equal_copies():
     plain.spheres([[x, 0, z] for x in (0, 2, 4) for z in (0, 1)], 0.5, colors="teal")
     assert len(many) == len(plain) == 6
     assert np.abs(pixels(many) - pixels(plain)).max() < 1e-3
+    parts = many._parts[0]
+    before = pixels(many)
+    parts.transforms = moved[:, :3]
+    assert same(pixels(many), before)
+    with pytest.raises(ValueError, match="those of their object"):
+        parts.colors = "red"
     with pytest.raises(ValueError, match="cannot contain itself"):
         many.instances(many, moved)
 
@@ -211,6 +227,9 @@ def test_the_camera_is_the_one_given(cloud):
     scene.look(direction=(0, 1, 0))
     fitted = pixels(scene)
     assert not same(fitted, placed)
+    for direction in ((0, 0, -1), (0, 0, 1), (0, -1, 0)):
+        scene.look(direction=direction, up=direction)
+        assert 0.1 < (pixels(scene)[..., :3] < 1).mean() < 0.9
     scene.look(direction=(0, 1, 0), margin=0.2)
     assert (pixels(scene)[0] == 1).all()  # nothing at the edges
     scene.camera(from_=(0, -20, 0), at=(0, 0, 0), aperture=2, focus=20)
@@ -223,7 +242,7 @@ def test_lights_make_a_classic_scene(cloud):
     scene.light(direction=(0, 1, -1))
     lit = pixels(scene)
     assert not same(lit, ambient)
-    assert same(lit, pixels(scene, integrator="classic"))
+    assert same(lit, pixels(scene, integrator="classic", background="white", tone="srgb"))
     scene.light(position=(0, -5, 9), color="white", size=2)
     assert not same(pixels(scene, soft_shadows=True), pixels(scene))
 
@@ -270,7 +289,6 @@ def test_saved_scenes_look_the_same(cloud, tmp_path):
     scene, *_ = cloud
     scene.save(tmp_path / "a.raio")
     loaded = raio.load(tmp_path / "a.raio")
-    loaded.background = "white"
     assert same(pixels(loaded), pixels(scene))
 
 
@@ -289,7 +307,7 @@ def test_errors_of_files_tell_where(tmp_path):
         raio.load(tmp_path / "a.nff")
     assert caught.value.line == 2 and caught.value.file.endswith("a.nff") and caught.value.column > 0
     assert pickle.loads(pickle.dumps(caught.value)).line == 2
-    with pytest.raises(ValueError):
+    with pytest.raises(FileNotFoundError, match="missing.nff"):
         raio.render(tmp_path / "missing.nff")
     with pytest.raises(TypeError, match="option of render"):
         raio.load(tmp_path / "a.nff", samples=3)

@@ -239,5 +239,7 @@ def test_opens_the_window(monkeypatch, tmp_path):
     program.chmod(0o755)
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     monkeypatch.setenv("DISPLAY", ":0")
-    assert make_scene().view(samples=4, soft_shadows=True) is None
+    scene = make_scene()
+    scene.background = "white"
+    assert scene.view(samples=4, soft_shadows=True) is None
     assert told.read_text().split()[2:] == ["--samples=4", "--soft-shadows", "--background=white"]

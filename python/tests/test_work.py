@@ -208,6 +208,10 @@ def test_films_are_refined_stored_resumed_and_merged(cloud, tmp_path):
     assert merged.missing == "" and np.array_equal(merged.image().numpy(), whole)
     with pytest.raises(ValueError):
         raio.merge([parts[0], parts[0]])
+    with pytest.raises(TypeError, match="expected Films and Images"):
+        raio.merge(["part.raio"])
+    with pytest.raises(TypeError, match="samples is not for start"):
+        scene.start(samples=4)
     with pytest.raises(ValueError, match="no scene"):
         merged.add(1)
 
@@ -230,7 +234,9 @@ def test_images_have_channels_settings_and_formats(cloud, tmp_path):
     assert np.array_equal(stored["depth"], image["depth"])
     assert np.array_equal(stored["rgba"], image.numpy())
     assert image._repr_png_().startswith(b"\x89PNG")
-    with pytest.raises(ValueError, match="exr"):
+    image.save(tmp_path / "a.png")  # without the channels
+    assert (tmp_path / "a.png").read_bytes() == image._repr_png_()
+    with pytest.raises(ValueError, match="alpha"):
         image.save(tmp_path / "a.ppm")
     with pytest.raises(OSError):
         image.save(tmp_path / "no" / "a.exr")

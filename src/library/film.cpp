@@ -56,6 +56,15 @@ std::unique_ptr<Film::Data> taken(std::expected<Part, core::Error> part, const s
   return std::make_unique<Film::Data>(Film::Data{std::move(*part), shards, 0, name});
 }
 
+// The picture with what a file of this name can hold.
+Picture picture_for(const Part& part, const std::string& name) {
+  auto picture = finished_picture(part, name);
+  if (!picture) fail(picture.error());
+  const auto format = image_format(name);
+  if (format && *format != ImageFormat::exr && *format != ImageFormat::npz) picture->layers.clear();
+  return *std::move(picture);
+}
+
 }  // namespace
 
 Film Film::read(const std::string& path) {
@@ -78,7 +87,10 @@ void Film::write(const std::string& path) const {
     if (!is_part_path(path) && setting(part.header.settings, "samples_done").empty())
       if (const std::string lacks = missing(); !lacks.empty())
         refuse(lacks + "; merge films that have them, continue the film, or write a part (.raio)");
-    if (const auto done = write_result(path, part); !done) fail(done.error());
+    const auto done = is_part_path(path)
+                          ? write_part(path, part.header, *part.film)
+                          : write_image(picture_for(part, path), path, part.header.settings);
+    if (!done) fail(done.error());
   });
 }
 
@@ -184,10 +196,7 @@ std::vector<uint8_t> Film::display() const {
 std::string Film::encode(std::string_view format) const {
   return guarded_work(data_->threads, [&] {
     const std::string name = "picture" + std::string(format);
-    auto picture = finished_picture(data_->part, name);
-    if (!picture) fail(picture.error());
-    if (format == ".png") picture->layers.clear();
-    auto bytes = encode_image(*picture, name, data_->part.header.settings);
+    auto bytes = encode_image(picture_for(data_->part, name), name, data_->part.header.settings);
     if (!bytes) fail(bytes.error());
     return *std::move(bytes);
   });

@@ -136,8 +136,12 @@ void Scene::fit_camera(std::optional<Triple> direction, Triple up, double margin
     if (direction) {
       if (length(vec(*direction)) == 0 || !is_finite(vec(*direction)))
         refuse("direction: expected a finite direction other than zero");
-      camera.up = Vec3f(normalize(vec(up)));
-      camera.at = {}, camera.from = Vec3f(normalize(vec(*direction)) * -1.0);
+      const Vec3d forward = normalize(vec(*direction));
+      Vec3d upright = normalize(vec(up));
+      if (length(cross(forward, upright)) < 1e-3)
+        upright = std::abs(forward.y) < 0.5 ? Vec3d(0, 1, 0) : Vec3d(0, 0, 1);
+      camera.up = Vec3f(upright);
+      camera.at = {}, camera.from = Vec3f(forward * -1.0);
       camera = fitted_along(scene, camera, Fit::all, camera.fov_deg);
     } else {
       camera = fitted_from(scene, camera, std::nullopt, Vec3f(normalize(vec(up))), Fit::all,
