@@ -3,6 +3,7 @@
 import os
 import pathlib
 import shutil
+import signal
 import tempfile
 
 import numpy as np
@@ -18,6 +19,9 @@ if not shutil.which("ffmpeg"):  # PyPI has it under another name
         folder = tempfile.TemporaryDirectory()
         os.symlink(get_ffmpeg_exe(), os.path.join(folder.name, "ffmpeg"))
         os.environ["PATH"] += os.pathsep + folder.name
+
+# A shell ignores it for work in the background, and programs that tests start would, too.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
