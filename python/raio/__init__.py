@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from ._color import colormap as colormap, linear as linear
     from ._files import load as load, render as render
     from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
+    from ._material import Material as Material
     from ._parts import (
         Cones as Cones,
         Discs as Discs,
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     )
     from ._rays import KINDS as KINDS, Hits as Hits
     from ._render_options import ReadOptions as ReadOptions, RenderOptions as RenderOptions
-    from ._scene import Material as Material, Scene as Scene, SceneError as SceneError, SceneWarning as SceneWarning
+    from ._scene import Scene as Scene, SceneError as SceneError, SceneWarning as SceneWarning
     from .convert import (
         from_ase as from_ase,
         from_biotite as from_biotite,
@@ -46,10 +47,11 @@ _MODULES = {
     "_color": ("colormap", "linear"),
     "_files": ("load", "render"),
     "_film": ("Film", "Image", "load_film", "merge"),
+    "_material": ("Material",),
     "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Mesh", "Part", "Spheres"),
     "_rays": ("KINDS", "Hits"),
     "_render_options": ("ReadOptions", "RenderOptions"),
-    "_scene": ("Material", "Scene", "SceneError", "SceneWarning"),
+    "_scene": ("Scene", "SceneError", "SceneWarning"),
     "convert": ("from_ase", "from_biotite", "from_mdanalysis", "from_ovito", "from_pyvista",
                 "from_trimesh"),
     "movies": ("movie",),

@@ -8,9 +8,10 @@ import numpy.typing as npt
 from . import _raio
 from ._arrays import Floats, Strict, indices, numbers, per_row
 from ._color import Painted, paint
+from ._material import Material
 
 if TYPE_CHECKING:
-    from ._scene import Material, Scene
+    from ._scene import Scene
 
 
 class Part(Strict):
@@ -119,8 +120,6 @@ class Part(Strict):
         return self._number(core, painted, one), painted.each, each
 
     def _number(self, core: _raio.Scene, painted: Painted, opacity: float) -> int:
-        from ._scene import Material
-
         material = self._material or Material()
         return material._add(core, painted.one, opacity)
 
@@ -129,8 +128,6 @@ class Part(Strict):
 
 
 def _checked_material(material: Any) -> Any:
-    from ._scene import Material
-
     if material is not None and not isinstance(material, Material):
         raise TypeError(f"material: expected a raio.Material, found {material!r}")
     return material

@@ -17,7 +17,8 @@ import numpy.typing as npt
 from . import _raio
 from ._color import linear
 from ._files import read_settings, scene_of
-from ._scene import Material, Scene, SceneWarning
+from ._material import Material
+from ._scene import Scene, SceneWarning
 
 if TYPE_CHECKING:
     from ._render_options import ReadOptions

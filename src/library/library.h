@@ -76,7 +76,7 @@ struct Film::Data {
 struct Accel::Data {
   core::Scene scene;
   bool has_background = false;  // as in the Scene
-  core::ReadOptions read = {};  // likewise
+  core::ReadOptions read = {};  // of the scene's file
   core::RenderOptions options;  // as resolved; only those of the structure matter
   std::unique_ptr<core::Accel> accel;
 
