@@ -298,8 +298,7 @@ void Accel::closest(const Column<float, 3>& origins, const Column<float, 3>& dir
                   for (size_t i = 0; i < numbers.size(); ++i) {
                     const size_t to = numbers[i];
                     const core::Hit nearest = scratch.hits[i];
-                    if (hits.distance)
-                      hits.distance[to] = nearest.found() ? nearest.t : float(INFINITY);
+                    if (hits.distance) hits.distance[to] = nearest.found() ? nearest.t : INFINITY;
                     if (only_distance) continue;
                     const Hit hit = hit_of(*data_, scratch.rays[i], nearest);
                     const bool found = hit.found();
