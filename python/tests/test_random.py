@@ -1,4 +1,7 @@
-"""Random arguments: a picture, or an error; nothing else. RAIO_EXAMPLES sets how many."""
+"""Random arguments: a picture, or an error; nothing else.
+
+RAIO_EXAMPLES sets how many, and makes them different in each run.
+"""
 
 import os
 import warnings
@@ -8,7 +11,8 @@ import raio
 from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra import numpy as hnp
 
-EXAMPLES = settings(max_examples=int(os.environ.get("RAIO_EXAMPLES", "150")), deadline=None,
+EXAMPLES = settings(max_examples=int(os.environ.get("RAIO_EXAMPLES", "150")),
+                    derandomize="RAIO_EXAMPLES" not in os.environ, deadline=None,
                     suppress_health_check=list(HealthCheck))
 DTYPES = st.sampled_from(["f4", "f8", ">f4", ">f8", "f2", "i4", "i8", "u1", "u4", "?", "c8", "U3", "O"])
 SHAPES = st.one_of(st.tuples(), hnp.array_shapes(max_dims=3, max_side=6),
