@@ -23,6 +23,7 @@ if not shutil.which("ffmpeg"):  # PyPI has it under another name
 # A shell ignores it for work in the background, and programs that tests start would, too.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
+collect_ignore = ["browser"]  # by hand, in a real browser
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
