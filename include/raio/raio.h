@@ -154,8 +154,8 @@ class RAIO_API Scene {
   Camera camera() const;
   /// Fits the camera to all finite primitives, seen in this direction (from the camera), or else at
   /// an angle from above, with the projection and angle of the current camera. If `up` is along the
-  /// direction, y is up, or else z. `margin`: the free
-  /// space on each side, as a fraction of the picture's size, below 0.5.
+  /// direction, y is up, or else z. `margin`: the free space on each side, as a fraction of the
+  /// picture's size, below 0.5.
   void fit_camera(std::optional<Triple> direction = std::nullopt, Triple up = {0, 0, 1},
                   double margin = 0);
   /// Whether it is a figure of data, like a file of atoms, points or meshes: by default lit from
@@ -450,8 +450,8 @@ class RAIO_API Film {
   /// Reads a part file (.raio), for example a checkpoint. The error states what is damaged.
   static Film read(const std::string& path);
   /// Writes a part file if the suffix is .raio, else a picture: .png .exr .npz .npy .ppm .pfm; .png
-  /// and .ppm with exposure and tone. Only .exr and .npz have channels besides alpha. Whole or not at
-  /// all. The error states which samples are missing; a film ended by a time limit is complete.
+  /// and .ppm with exposure and tone. Only .exr and .npz have channels besides alpha. Whole or not
+  /// at all. The error states which samples are missing; a film ended by a time limit is complete.
   void write(const std::string& path) const;
   /// To and from the bytes of a part file, which are not trusted.
   std::string to_bytes() const;

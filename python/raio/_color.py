@@ -24,11 +24,19 @@ def linear(colors: npt.ArrayLike) -> Floats:
         >>> round(float(raio.linear(0.5)), 3)
         0.214
     """
-    array = np.asarray(colors)
+    array = _light_or_bytes("colors", colors)
     shown = array / np.float32(255) if array.dtype == np.uint8 else array
     light = np.array(shown, dtype=np.float32, order="C")
     _raio.to_linear(light.reshape(-1))
     return light
+
+
+def _light_or_bytes(name: str, colors: npt.ArrayLike) -> npt.NDArray[Any]:
+    array = np.asarray(colors)
+    if array.dtype.kind in "iu" and array.dtype != np.uint8 and array.size and array.max() > 1:
+        raise TypeError(
+            f"{name}: integers of {array.dtype} are not 0 to 1; use uint8 for 0 to 255, or floats")
+    return array
 
 
 def colormap(cmap: Any) -> Floats:
@@ -73,7 +81,9 @@ def one_color(name: str, value: Any) -> tuple[float, float, float]:
                 raise ValueError(f"{name}: {error}") from None
             return other
         return r, g, b
-    row = numbers(name, value, 3)[0]
+    row = numbers(name, _light_or_bytes(name, value), 3)[0]
+    if np.asarray(value).dtype == np.uint8:
+        row = linear(np.asarray(value))
     if not (np.isfinite(row).all() and (row >= 0).all()):
         raise ValueError(f"{name}: expected numbers that are finite and not negative, found {value!r}")
     return float(row[0]), float(row[1]), float(row[2])
@@ -122,9 +132,7 @@ def paint(colors: Any, count: int, cmap: Any, vmin: float | None, vmax: float | 
         light = linear(array[:, :3])
         opacity = (array[:, 3] / np.float32(255)).astype(np.float32) if array.shape[1] == 4 else None
         return Painted(each=light, opacity=opacity)
-    if array.dtype.kind in "iu" and array.size and array.max() > 1:
-        raise TypeError(
-            f"colors: integers of {array.dtype} are not 0 to 1; use uint8 for 0 to 255, or floats")
+    array = _light_or_bytes("colors", array)
     all_columns = numbers("colors", array, array.shape[1], count)
     opacity = all_columns[:, 3] if array.shape[1] == 4 else None
     return Painted(each=all_columns[:, :3], opacity=opacity)

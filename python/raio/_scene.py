@@ -385,6 +385,9 @@ class Scene(Strict):
     def save(self, path: Path) -> None:
         """Writes the scene: .raio keeps everything but the background, which is an option of pictures;
         .nff, .ply, .gltf and .pov keep what they can."""
+        if self._background is not None:
+            warnings.warn("the background is not stored; give it again when the scene is loaded",
+                          SceneWarning, stacklevel=2)
         self._core().write(os.fspath(path))
 
     def view(self, **options: Any) -> Any:

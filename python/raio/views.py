@@ -142,7 +142,7 @@ def _open_window(scene: "Scene", options: dict[str, Any]) -> None:
     wanted = scene._with_defaults(options)
     with tempfile.TemporaryDirectory(prefix="raio-") as folder:
         path = os.path.join(folder, "scene.raio")
-        scene.save(path)
+        scene._core().write(path)  # the background is an argument
         done = subprocess.run([program, "view", path, *_arguments(wanted)])
     if done.returncode != 0:
         raise RuntimeError(f"{program} view ended with {done.returncode}; its messages are above")

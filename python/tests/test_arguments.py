@@ -96,6 +96,8 @@ SPHERES = [
     ("colors", np.ones((5, 2)), r"colors: expected the shape .*found \(5, 2\)"),
     ("colors", np.full((5, 3), 200), r"colors: integers of int64"),
     ("colors", ["red"] * 5, r"colors: a list of names"),
+    ("colors", (255, 0, 0), r"colors: integers of int64"),
+    ("colors", np.array([255, 0, 0], np.uint8), None),
     ("colors", (-1, 0, 0), r"colors: .*not negative"),
     ("colors", (NAN, 0, 0), r"colors: .*finite"),
     ("colors", row(3, 1, NAN), r"colour 3 must be finite"),

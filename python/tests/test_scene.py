@@ -289,6 +289,10 @@ def test_saved_scenes_look_the_same(cloud, tmp_path):
     scene, *_ = cloud
     scene.save(tmp_path / "a.raio")
     loaded = raio.load(tmp_path / "a.raio")
+    scene.background = "black"
+    with pytest.warns(raio.SceneWarning, match="background is not stored"):
+        scene.save(tmp_path / "b.raio")
+    scene.background = None
     assert same(pixels(loaded), pixels(scene))
 
 

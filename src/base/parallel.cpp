@@ -22,7 +22,7 @@ Ticker::Ticker(double interval_s, std::function<void()> work)
         std::condition_variable_any wake;
         std::unique_lock lock(mutex);
         for (;;) {
-          // Its result does not tell: libstdc++ may return false for a stop.
+          // libstdc++ may return false although a stop was requested.
           wake.wait_for(lock, done, interval, [&] { return done.stop_requested(); });
           if (done.stop_requested()) return;
           work();

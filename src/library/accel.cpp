@@ -263,14 +263,22 @@ void in_parallel(const Accel::Data& data, const RayColumns& rays, const Trace& t
     std::vector<uint32_t> sorted;
     std::vector<size_t> numbers;
   };
-  PerThread<Worker> workers([box = bounds(data.scene)] { return Worker(box); });
+  // Few rays would not repay the search for the scene's box.
+  const bool is_sorted = count > kBatch;
+  PerThread<Worker> workers(
+      [box = is_sorted ? bounds(data.scene) : Box3f()] { return Worker(box); });
   parallel_for((count + block - 1) / block, [&](size_t b) {
     Worker& w = workers.local();
     const size_t first = b * block, n = std::min(block, count - first);
     w.rays.resize(n);
     for (size_t i = 0; i < n; ++i)
       w.rays[i] = ray_of(rays[first + i], first + i, data.scene.origin);
-    w.order.sort(w.rays, w.sorted);
+    if (is_sorted) {
+      w.order.sort(w.rays, w.sorted);
+    } else {
+      w.sorted.resize(n);
+      std::iota(w.sorted.begin(), w.sorted.end(), 0);
+    }
     for (size_t begin = 0; begin < n; begin += kBatch) {
       check_stop();
       const size_t size = std::min(kBatch, n - begin);
