@@ -38,7 +38,7 @@ double sky_at(const Scene& scene, float distance = 0) {
   options.width = options.height = 2;
   options.samples = 1024, options.occlusion_rays = 16;
   options.occlusion_distance = distance;
-  options.key_light = false;
+  options.key_light = KeyLight::off;
   options.look = FigureStyle::paper_1;
   const Image image = picture_of(scene, options);
   double sum = 0;
@@ -149,7 +149,7 @@ RenderOptions on_catcher() {
   RenderOptions options;
   options.width = options.height = 2;
   options.samples = 1024, options.occlusion_rays = 16;
-  options.shadow_catcher = true, options.key_light = false;
+  options.shadow_catcher = true, options.key_light = KeyLight::off;
   return options;
 }
 
@@ -327,7 +327,7 @@ TEST(Ambient, TheSecondPaperStyleKeepsForm) {
     RenderOptions options;
     options.width = options.height = 1;
     options.samples = 1024, options.occlusion_rays = 4;
-    options.key_light = false, options.look = FigureStyle::paper_2;
+    options.key_light = KeyLight::off, options.look = FigureStyle::paper_2;
     const Vec3f view = normalize(scene.camera.at - scene.camera.from);
     const double aside = 1 - std::abs(double(view.z)), black = 1 - double(color);
     const double soft = double(color) * (1 - double(look.soft * color));

@@ -139,7 +139,7 @@ TEST(OptionTable, ErrorsNameRangeAndUnit) {
             "grid-resolution: expected 3 whole numbers as XxYxZ, each from 1 to 1048576, found "
             "'4x0x4'");
   EXPECT_EQ(set_option(o, option_of("key-light"), "yes").error().text(),
-            "key-light: expected off or on, found 'yes'");
+            "key-light: expected off, on or scene, found 'yes'");
 }
 
 // With each integrator, the options that it ignores are refused, and all others pass.
@@ -170,7 +170,7 @@ TEST(OptionTable, IgnoredOptionsAreRefused) {
   }
   // By the scene's default, or by the view.
   RenderOptions o;
-  o.key_light = false;
+  o.key_light = KeyLight::off;
   EXPECT_FALSE(option_conflict(o));
   EXPECT_EQ(option_conflict(o, &scene)->text("--"),
             "--key-light: has no effect with --integrator classic, the default for this scene; "
@@ -239,7 +239,7 @@ TEST_F(OptionsCommand, PrintsTheTables) {
   EXPECT_EQ(by_name["depth"]["integrators"], nlohmann::json::array({"classic"}));
   EXPECT_EQ(by_name["one-sided"]["default_value"], false);
   EXPECT_EQ(by_name["one-sided"]["type"], "switch");
-  EXPECT_EQ(by_name["key-light"]["words"], nlohmann::json({"off", "on"}));
+  EXPECT_EQ(by_name["key-light"]["words"], nlohmann::json({"off", "on", "scene"}));
   EXPECT_EQ(by_name["samples"]["excludes"], nlohmann::json::array({"lens-samples"}));
   EXPECT_EQ(by_name["threads"]["affects_picture"], false);
   EXPECT_EQ(by_name["frame"]["of"], "reading");

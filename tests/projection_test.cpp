@@ -192,7 +192,7 @@ TEST(Parallel, OutlinesAreAsWideAtAnyDepth) {
     RenderOptions o;
     o.width = o.height = side;
     o.integrator = IntegratorKind::ambient, o.aa = 1;
-    o.key_light = false, o.outline = 3;
+    o.key_light = KeyLight::off, o.outline = 3;
     const Image picture = picture_of(s, o);
     return std::ranges::count(picture.pixels, Rgb());
   };
@@ -374,7 +374,7 @@ TEST(Parallel, ScenesKeepTheirRays) {
   EXPECT_THAT(bytes, testing::Not(HasSubstr("camera_projection"))) << "files are as they were";
   EXPECT_EQ(lost_features(s, SceneFormat::nff), "the camera's parallel rays");
   EXPECT_EQ(lost_features(s, SceneFormat::pov), "");
-  s.camera.projection = Projection(2);
+  s.camera.projection = Projection(3);
   EXPECT_THAT(validate(s), testing::ElementsAre(HasSubstr("projection")));
 }
 

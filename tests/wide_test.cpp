@@ -1,6 +1,10 @@
 // The functions of base/wide-inl.h, with every instruction set of this machine.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -26,6 +30,24 @@ size_t wrong_quotients(const std::vector<float>& x, uint32_t n) {
   return wrong;
 }
 
+// The largest error of on_circle() at `turns`, and, of its angle, by turns_of(), in radians.
+std::array<double, 2> errors_of_angles(const std::vector<float>& turns) {
+  const hn::CappedTag<float, 16> d;
+  std::array<double, 2> most{};
+  for (const float turn : turns) {
+    const auto at = on_circle(d, hn::Set(d, turn));
+    const double angle = 2 * std::numbers::pi * double(turn);
+    most[0] = std::max({most[0], std::abs(double(hn::GetLane(at.x)) - std::cos(angle)),
+                        std::abs(double(hn::GetLane(at.y)) - std::sin(angle))});
+    const auto x = float(3 * std::cos(angle)), y = float(3 * std::sin(angle));
+    const double found =
+        2 * std::numbers::pi * double(hn::GetLane(turns_of(d, hn::Set(d, y), hn::Set(d, x))));
+    const double exact = std::atan2(double(y), double(x));
+    most[1] = std::max(most[1], std::abs(found - exact));
+  }
+  return most;
+}
+
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -34,6 +56,7 @@ namespace raio::core {
 namespace {
 
 HWY_EXPORT(wrong_quotients);
+HWY_EXPORT(errors_of_angles);
 
 // How a quotient is rounded does not depend on the exponent of x.
 TEST(Wide, QuotientsMatchDivisionForEveryMantissa) {
@@ -49,6 +72,18 @@ TEST(Wide, QuotientsMatchDivisionForEveryMantissa) {
     for (const uint32_t n : numbers)
       EXPECT_EQ(HWY_DYNAMIC_DISPATCH(wrong_quotients)(x, n), 0u)
           << hwy::TargetName(target) << ", divided by " << n;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST(Wide, AnglesAreExactToAFewUnits) {
+  std::vector<float> turns;
+  for (int i = -4000; i <= 4000; ++i) turns.push_back(float(i) / 8000);
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    hwy::SetSupportedTargetsForTest(target);
+    const auto [circle, angle] = HWY_DYNAMIC_DISPATCH(errors_of_angles)(turns);
+    EXPECT_LT(circle, 3e-7) << hwy::TargetName(target);
+    EXPECT_LT(angle, 5e-7) << hwy::TargetName(target);
   }
   hwy::SetSupportedTargetsForTest(0);
 }

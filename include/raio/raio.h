@@ -80,13 +80,32 @@ struct Material {
 };
 
 /// Perspective or parallel rays. Objects at the distance of the point looked at are equally large
-/// in both.
-enum class Projection { perspective, orthographic };
+/// in both. Or an equirectangular picture of all directions, with the point looked at in the
+/// middle: 360 degrees about the up direction, perpendicular to the line of sight, by 180; angle
+/// and lens do not apply.
+enum class Projection { perspective, orthographic, omnidirectional };
 
 struct Camera {
   Triple from{0, 0, 1}, at{0, 0, 0}, up{0, 1, 0};
   double fov_deg = 45;  ///< vertical, from edge to edge, between 0 and 180
   Projection projection = Projection::perspective;
+};
+
+/// A light for the integrator `ambient` with the setting `key-light` = `scene` (docs/ambient.md).
+struct Light {
+  enum class Kind { point, directional, spot, quad, ring };
+  Kind kind = Kind::point;
+  /// In scene units: intensity (W/sr) of points and spots, irradiance (W/m^2) of directional lights
+  /// on surfaces that face them, radiance (W/sr/m^2) of quads and rings.
+  Triple color{1, 1, 1};
+  Triple position{0, 0, 0};     ///< of a point or spot; the centre of a ring; a quad's corner
+  Triple direction{0, 0, -1};   ///< in which directional lights, spots and rings shine
+  double angular_diameter = 0;  ///< degrees, up to 170; makes directional lights soft
+  double opening = 180;         ///< degrees; the full angle of the cone of spots and rings
+  double falloff = 0;           ///< degrees; the width of its smooth border, inside the cone
+  Triple edge1{1, 0, 0}, edge2{0, 1, 0};  ///< of a quad
+  bool front = true, back = false;        ///< its emitting sides; front is edge1 x edge2
+  double radius = 0, inner_radius = 0;    ///< of a ring; radius 0: as a spot, with an intensity
 };
 
 /// `count` elements of N numbers each in the caller's memory: the first at `data`, each `stride`
@@ -166,6 +185,16 @@ class RAIO_API Scene {
   /// Adds a point light; without a colour it is white, and n such lights have 1 / sqrt(n) each.
   /// With the setting `soft-shadows` it is a square of this size (scene units), if not 0.
   void add_light(Triple position, std::optional<Triple> color = std::nullopt, double size = 0);
+  /// Adds a light in physical units, which needs the integrator `ambient`.
+  void add_light(const Light& light);
+  /// Surrounds the scene with light from infinitely far away; needs the integrator `ambient`.
+  /// Copies a picture of `width` x `height` linear radiances, three numbers each, row by row from
+  /// `up` to down over 180 degrees. The middle column is towards `direction`, made perpendicular to
+  /// `up`; columns continue to the right, over 360 degrees. Surfaces receive the radiance times the
+  /// setting `sky-light`, by default 1. Eye rays see it as it is, if it is `visible` and no
+  /// `background` is set. A size of 0 x 0 removes it.
+  void set_environment(uint32_t width, uint32_t height, const float* rgb, Triple up = {0, 0, 1},
+                       Triple direction = {1, 0, 0}, bool visible = true);
 
   /// Returns the material's number for primitives added later; scenes made in code start with
   /// material 0.

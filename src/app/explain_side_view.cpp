@@ -51,6 +51,7 @@ void place_camera(SideView& out, const Explanation& sample, const RenderSettings
   const double distance = rays.parallel ? 1 : kImagePlane * way;
   const Vec3d from(rays.from);
   const auto at = [&](double x, double y) {
+    if (rays.omnidirectional) return from + Vec3d(rays.pinhole(float(x), float(y)).dir) * distance;
     return from + (Vec3d(rays.corner) + Vec3d(rays.per_x) * x + Vec3d(rays.per_y) * y) * distance;
   };
   const double w = settings.width, h = settings.height;

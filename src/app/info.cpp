@@ -100,6 +100,13 @@ std::string info_json(const ReadScene& read) {
     if (light.extent)
       json["lights"].back()["extent"] = {plain(light.extent->width), plain(light.extent->depth)};
   }
+  json["physical_lights"] = Json::array();
+  for (const PhysicalLight& light : scene.physical_lights)
+    json["physical_lights"].push_back(
+        {{"kind", kLightKindNames[size_t(light.kind)]}, {"color", json_of(plain(light.color))}});
+  json["environment"] = nullptr;
+  for (const Environment& e : scene.environment)
+    json["environment"] = {{"width", e.width}, {"height", e.height}, {"visible", e.visible != 0}};
   const MaterialCounts materials = count_materials(scene);
   json["materials"] = {{"count", scene.materials.size()},
                        {"reflecting", materials.reflecting},
@@ -122,6 +129,17 @@ std::string info_json(const ReadScene& read) {
                                 {"names", d.names}});
   }
   return json_text(json);
+}
+
+// "2 point, 1 quad"; empty if there are none.
+std::string physical_lights_text(const Scene& scene) {
+  std::array<size_t, kLightKindNames.size()> counts{};
+  for (const PhysicalLight& light : scene.physical_lights) ++counts[size_t(light.kind)];
+  std::string text;
+  for (size_t i = 0; i < counts.size(); ++i)
+    if (counts[i] > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", counts[i], kLightKindNames[i]);
+  return text;
 }
 
 std::string info_text(const ReadScene& read) {
@@ -192,6 +210,12 @@ std::string info_text(const ReadScene& read) {
   }
   if (scene.lights.size() > kShown)
     line("", fmt::format("and {} more", scene.lights.size() - kShown));
+
+  if (const std::string lights = physical_lights_text(scene); !lights.empty())
+    line("", lights + ", in physical units");
+  for (const Environment& e : scene.environment)
+    line("environment",
+         fmt::format("{}x{}{}", e.width, e.height, e.visible ? "" : ", not visible"));
 
   const MaterialCounts materials = count_materials(scene);
   line("materials", fmt::format("{}, of which {} reflect and {} refract", scene.materials.size(),

@@ -150,9 +150,60 @@ struct Wide2 {
   hn::Vec<D> x, y;
 };
 
+/// Cosine and sine of an angle of at most pi/4, as x and y, by Taylor series.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Wide2<D> cos_sin_near_0(D d, V angle) {
+  const V one = hn::Set(d, 1), x2 = hn::Mul(angle, angle);
+  return {polynomial(x2, hn::Set(d, 1.0f / 40320), hn::Set(d, -1.0f / 720), hn::Set(d, 1.0f / 24),
+                     hn::Set(d, -0.5f), one),
+          hn::Mul(angle, polynomial(x2, hn::Set(d, 1.0f / 362880), hn::Set(d, -1.0f / 5040),
+                                    hn::Set(d, 1.0f / 120), hn::Set(d, -1.0f / 6), one))};
+}
+
+/// The point of the unit circle at an angle of -1 to 1 turns, by rotation to within pi/4 of an
+/// axis.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Wide2<D> on_circle(D d, V turns) {
+  const Signed<D> di;
+  // Adding `shift` rounds to the nearest integer, as in pow_unit().
+  const V shift = hn::Set(d, 3 << 22), four = hn::Set(d, 4);
+  const V quarters = hn::Sub(hn::Add(hn::Mul(turns, four), shift), shift);
+  const V rest = hn::Sub(turns, hn::Mul(quarters, hn::Set(d, 0.25f)));
+  const Wide2<D> near = cos_sin_near_0(d, hn::Mul(rest, hn::Set(d, float(2 * std::numbers::pi))));
+  const auto quadrant = hn::ConvertTo(di, quarters);
+  const auto has_bit = [&](auto number, int bit) HWY_ATTR {
+    return hn::RebindMask(d, hn::TestBit(number, hn::Set(di, bit)));
+  };
+  const auto swapped = has_bit(quadrant, 1);
+  const V x = hn::IfThenElse(swapped, near.y, near.x), y = hn::IfThenElse(swapped, near.x, near.y);
+  const auto on_left = has_bit(hn::Add(quadrant, hn::Set(di, 1)), 2);
+  return {hn::IfThenElse(on_left, hn::Neg(x), x),
+          hn::IfThenElse(has_bit(quadrant, 2), hn::Neg(y), y)};
+}
+
+/// The angle of the point (x, y) from the x axis towards the y axis, -1/2 to 1/2 turns; 0 for the
+/// origin. The arctangent of at most tan(pi/8) is a Taylor series.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V turns_of(D d, V y, V x) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1);
+  const V across = hn::Abs(x), up = hn::Abs(y);
+  const V most = hn::Max(across, up), least = hn::Min(across, up);
+  const auto diagonal = hn::Gt(least, hn::Mul(most, hn::Set(d, float(std::numbers::sqrt2 - 1))));
+  const V over = hn::IfThenElse(diagonal, hn::Sub(least, most), least);
+  const V under = hn::IfThenElse(diagonal, hn::Add(least, most), most);
+  const V t = hn::IfThenElseZero(hn::Gt(under, zero), hn::Div(over, under)), t2 = hn::Mul(t, t);
+  const V series = polynomial(t2, hn::Set(d, 1.0f / 17), hn::Set(d, -1.0f / 15),
+                              hn::Set(d, 1.0f / 13), hn::Set(d, -1.0f / 11), hn::Set(d, 1.0f / 9),
+                              hn::Set(d, -1.0f / 7), hn::Set(d, 0.2f), hn::Set(d, -1.0f / 3), one);
+  V turns = hn::Mul(hn::Mul(t, series), hn::Set(d, float(0.5 / std::numbers::pi)));
+  turns = hn::IfThenElse(diagonal, hn::Add(turns, hn::Set(d, 0.125f)), turns);
+  turns = hn::IfThenElse(hn::Gt(up, across), hn::Sub(hn::Set(d, 0.25f), turns), turns);
+  turns = hn::IfThenElse(hn::Lt(x, zero), hn::Sub(hn::Set(d, 0.5f), turns), turns);
+  return hn::CopySign(turns, y);
+}
+
 /// Maps the unit square to the unit disc, keeping areas and neighbourhoods. Shirley and Chiu 1997,
-/// "A Low Distortion Map Between Disk and Square", JGT 2(3). Sine and cosine of at most pi/4 by
-/// Taylor series.
+/// "A Low Distortion Map Between Disk and Square", JGT 2(3).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE Wide2<D> square_to_disc(D d, V u, V v) {
   const V one = hn::Set(d, 1), two = hn::Set(d, 2);
@@ -160,12 +211,8 @@ HWY_INLINE Wide2<D> square_to_disc(D d, V u, V v) {
   const auto wide = hn::Gt(hn::Abs(a), hn::Abs(b));
   const V r = hn::IfThenElse(wide, a, b), other = hn::IfThenElse(wide, b, a);
   const V ratio = hn::IfThenElse(hn::Eq(r, hn::Zero(d)), r, hn::Div(other, r));
-  const V x = hn::Mul(hn::Set(d, float(std::numbers::pi / 4)), ratio), x2 = hn::Mul(x, x);
-  const V sine = hn::Mul(x, polynomial(x2, hn::Set(d, 1.0f / 362880), hn::Set(d, -1.0f / 5040),
-                                       hn::Set(d, 1.0f / 120), hn::Set(d, -1.0f / 6), one));
-  const V cosine = polynomial(x2, hn::Set(d, 1.0f / 40320), hn::Set(d, -1.0f / 720),
-                              hn::Set(d, 1.0f / 24), hn::Set(d, -0.5f), one);
-  const V rc = hn::Mul(r, cosine), rs = hn::Mul(r, sine);
+  const Wide2<D> near = cos_sin_near_0(d, hn::Mul(hn::Set(d, float(std::numbers::pi / 4)), ratio));
+  const V rc = hn::Mul(r, near.x), rs = hn::Mul(r, near.y);
   return {hn::IfThenElse(wide, rc, rs), hn::IfThenElse(wide, rs, rc)};
 }
 

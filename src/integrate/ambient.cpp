@@ -4,6 +4,10 @@
 #define HWY_TARGET_INCLUDE "integrate/ambient.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h.
+#include "integrate/environment-inl.h"
+#include "integrate/features-inl.h"
+#include "integrate/lights-inl.h"
+#include "integrate/optics-inl.h"
 #include "integrate/shadings-inl.h"
 #include "integrate/sky-inl.h"
 #include "scene/columns.h"
@@ -33,6 +37,7 @@ class AmbientShading final : public Shading {
         look_(params_of(figure_.look)),
         outline_(figure_.outline * scene.settings.line_scale() * (look_.turns ? kTurningReach : 1)),
         occlusion_sampler_(scene.sampler) {
+    if (!scene.scene.environment.empty()) environment_.emplace(scene.scene);
     occlusion_sampler_.kind =
         SamplerKind::sobol;  // one sequence per pixel, split among its samples
     // Lines contrast with the background or, if that is omitted, with the style's.
@@ -51,17 +56,25 @@ class AmbientShading final : public Shading {
   }
 
   Rgb background() const override { return scene_.settings.background; }
-  bool has_sky() const override { return scene_.settings.sky != nullptr; }
-  V3 sky(const V3& dir) const override { return sky_towards(*scene_.settings.sky, dir); }
+  bool has_sky() const override {
+    return scene_.settings.sky != nullptr || scene_.settings.sees_environment;
+  }
+  V3 sky(const V3& dir) const override {
+    return scene_.settings.sees_environment ? environment_->radiance(dir)
+                                            : sky_towards(*scene_.settings.sky, dir);
+  }
 
   void shade(Wavefront& w, int, size_t n, const WideSampler<D>& sampler) override {
     SurfacePoints& v = w.points();
     for (size_t i = 0; i < n; i += kWidth) store(set3(d, Rgb()), v.radiance, i);
     if (outline_ > 0) find_outlines(w, n, sampler.sample());
     if (w.stopped()) return;
-    if (look_.soft > 0) soften(w, n);
-    if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
-    if (figure_.key_light && look_.key > 0) add_key_light(w, n, sampler, look_.highlight);
+    const bool physical = figure_.key_light == KeyLight::scene;
+    if (look_.soft > 0 && !physical) soften(w, n);
+    add_sky_light(w, n, sampler.sample(), figure_.sky_light,
+                  environment_ ? &*environment_ : nullptr);
+    if (physical) add_scene_lights(w, n, sampler);
+    if (has_key_light()) add_key_light(w, n, sampler, look_.highlight);
     if (scene_.extent > 0) fade(w, n);
     for (size_t i = 0; outline_ > 0 && i < n; ++i)
       if (on_line_[i] != 0) v.radiance.set(i, line_color_);
@@ -118,6 +131,8 @@ class AmbientShading final : public Shading {
   }
 
  private:
+  bool has_key_light() const { return figure_.key_light == KeyLight::on && look_.key > 0; }
+
   // The distance of the floor; 0: the ray does not hit it.
   float floor_distance(const Ray& ray) const {
     const float height = dot(ray.origin, scene_.floor_normal) - scene_.floor_height;
@@ -138,12 +153,13 @@ class AmbientShading final : public Shading {
       store(set3(d, Rgb(1)), v.color, i), store(one, v.kd, i), store(black, v.radiance, i);
       hn::Store(zero, d, &rim_[i]), hn::Store(zero, d, &on_line_[i]);
     }
-    const bool key = figure_.key_light && look_.key > 0;
-    if (look_.sky > 0) add_sky_light(w, n, sampler.sample());
+    const float sky = max_component(figure_.sky_light);
+    const bool key = has_key_light();
+    add_sky_light(w, n, sampler.sample(), Rgb(sky), nullptr);
     if (key) add_key_light(w, n, sampler, 0);
     if (w.stopped()) return;
     for (size_t i = 0; i < n; i += kWidth) {
-      V all = hn::Set(d, look_.sky);
+      V all = hn::Set(d, sky);
       if (key) {
         const V cosine = hn::Max(dot(normal, directions(w.shadow_rays(), i)), zero);
         all = hn::Add(all, hn::Mul(hn::Set(d, look_.key), cosine));
@@ -176,10 +192,13 @@ class AmbientShading final : public Shading {
 
   // Sky light, by rays with a cosine-weighted density: each unoccluded one contributes equally.
   // Shirley and Chiu's disc, projected onto the hemisphere after Malley.
-  void add_sky_light(Wavefront& w, size_t n, uint32_t sample) {
+  void add_sky_light(Wavefront& w, size_t n, uint32_t sample, Rgb radiance,
+                     const EnvironmentLight* environment) {
+    if (radiance == Rgb()) return;
     SurfacePoints& v = w.points();
     const auto rays_each = uint32_t(figure_.occlusion_rays);
-    const V share = hn::Set(d, look_.sky / float(rays_each)), one = hn::Set(d, 1);
+    const V3 share = set3(d, radiance / float(rays_each));
+    const V one = hn::Set(d, 1);
     const V zero = hn::Zero(d);
     const V tmax =
         hn::Set(d, figure_.occlusion_distance > 0 ? figure_.occlusion_distance
@@ -204,8 +223,9 @@ class AmbientShading final : public Shading {
         put_ray(rays, i, load(v.outside, i), dir, tmax, lit_lanes(i, n));
       }
       add_lit(w, n, sampler, kSkyDepth, [&](size_t i, V lit) HWY_ATTR {
-        const V light = hn::Mul(lit, share), mirrored = hn::Mul(light, hn::Load(d, &rim_[i]));
-        return load(v.color, i) * hn::Mul(light, load(v.kd, i)) + V3{mirrored, mirrored, mirrored};
+        V3 light = share * lit;
+        if (environment) light = light * environment->radiance(directions(rays, i));
+        return load(v.color, i) * (light * load(v.kd, i)) + light * hn::Load(d, &rim_[i]);
       });
     }
   }
@@ -242,6 +262,44 @@ class AmbientShading final : public Shading {
     });
   }
 
+  // The scene's lights on diffuse surfaces with the highlight of Blinn, normalized as in
+  // Akenine-Moeller et al., Real-Time Rendering.
+  void add_scene_lights(Wavefront& w, size_t n, const WideSampler<D>& sampler) {
+    SurfacePoints& v = w.points();
+    const V zero = hn::Zero(d);
+    for (size_t i = 0; i < n; ++i) v.specular.set(i, scene_.scene.specular_of(v.material[i]));
+    for (uint32_t l = 0; l < scene_.lights.size() && !w.stopped(); ++l) {
+      const SampledLight& light = scene_.lights[l];
+      RayBatch& rays = w.shadow_rays();
+      rays.resize(n);
+      for (size_t i = 0; i < n; i += kWidth) {
+        const Wide2<D> square = sampler.in_square(w.place_of(load(w.rays().pixel, i)),
+                                                  load(w.rays().branch, i), kLight + l);
+        const V3 outside = load(v.outside, i);
+        const LightSample to = sample_light(light, outside, square);
+        const V part = hn::Mul(to.part, dot(load(v.normal, i), to.dir));
+        hn::Store(part, d, &irradiance_[i]);
+        const M facing =
+            hn::And(hn::Gt(part, zero), hn::Gt(dot(load(v.geometric, i), to.dir), zero));
+        put_ray(rays, i, outside, to.dir, to.length, hn::And(lit_lanes(i, n), facing));
+      }
+      add_lit(w, n, sampler, Purpose(kLightDepth + l), [&](size_t i, V lit) HWY_ATTR {
+        const V3 irradiance = set3(d, light.emission) * hn::Mul(lit, hn::Load(d, &irradiance_[i]));
+        constexpr auto kPi = float(std::numbers::pi);
+        V3 reflected = load(v.color, i) * hn::Mul(load(v.kd, i), hn::Set(d, 1 / kPi));
+        const V ks = load(v.ks, i);
+        if (!hn::AllFalse(d, hn::Gt(ks, zero))) {
+          const V3 half = halfway(directions(rays, i), directions(w.rays().rays, i));
+          const V shine = load(v.shine, i), eight = hn::Set(d, 8);
+          const V scale = hn::Mul(hn::Add(shine, eight), hn::Set(d, 1 / (8 * kPi)));
+          const V lobe = hn::Mul(scale, highlight_power(dot(load(v.normal, i), half), shine));
+          reflected = reflected + load(v.specular, i) * hn::Mul(ks, lobe);
+        }
+        return irradiance * reflected;
+      });
+    }
+  }
+
   // Fades into the background with depth.
   void fade(Wavefront& w, size_t n) const {
     SurfacePoints& v = w.points();
@@ -255,7 +313,7 @@ class AmbientShading final : public Shading {
 
   // The fraction of the background at the points.
   HWY_INLINE V depth_cue(const V3& point) const {
-    const V depth = dot(point - set3(d, scene_.eye.from), set3(d, scene_.forward));
+    const V depth = depth_of(scene_, point);
     const V far = hn::Div(hn::Sub(depth, hn::Set(d, scene_.nearest)), hn::Set(d, scene_.extent));
     return hn::Mul(hn::Min(hn::Max(far, hn::Zero(d)), hn::Set(d, 1)),
                    hn::Set(d, figure_.depth_cue));
@@ -312,20 +370,26 @@ class AmbientShading final : public Shading {
       const Hit hit = w.hits()[i];
       decided[i] = geometry.object_at(hit.instance).depth_of(hit.primitive) != kOpaque;
     }
-    const V3 forward = set3(d, scene_.forward);
-    const bool parallel = scene_.eye.parallel;
+    const bool parallel = scene_.eye.parallel, everywhere = scene_.eye.omnidirectional;
+    const float pixel = length(scene_.eye.per_y);
     const auto [c, s] = look_.turns ? turn_of(sample) : std::array{1.0f, 0.0f};
     for (const auto& [x, y] : std::span(kCircle).first(look_.turns ? 4 : 8)) {
       RayBatch& rays = w.probe_rays();
       rays.resize(n);
-      const V3 aside = set3(d, scene_.eye.per_x * ((x * c - y * s) * outline_) +
-                                   scene_.eye.per_y * ((x * s + y * c) * outline_));
+      const float right = (x * c - y * s) * outline_, down = (x * s + y * c) * outline_;
+      const V3 aside = set3(d, scene_.eye.per_x * right + scene_.eye.per_y * down);
       for (size_t i = 0; i < n; i += kWidth) {
         const V3 origin = origins(w.rays().rays, i), dir = directions(w.rays().rays, i);
-        const V along = hn::Max(dot(dir, forward), hn::Set(d, 1e-6f));
         const M open = hn::Eq(hn::LoadU(d, &decided[i]), hn::Zero(d));
-        put_ray(rays, i, parallel ? origin + aside : origin,
-                parallel ? dir : normalize(d, dir + aside * along),
+        V3 shift = aside;
+        if (everywhere) {
+          const WideFrame frame(dir);
+          shift = frame.u * hn::Set(d, right * pixel) + frame.v * hn::Set(d, down * pixel);
+        } else if (!parallel) {
+          shift = aside * hn::Max(dot(dir, set3(d, scene_.forward)), hn::Set(d, 1e-6f));
+        }
+        put_ray(rays, i, parallel ? origin + shift : origin,
+                parallel ? dir : normalize(d, dir + shift),
                 hn::Set(d, std::numeric_limits<float>::infinity()),
                 hn::And(open, hn::FirstN(d, n - i)));
       }
@@ -351,8 +415,9 @@ class AmbientShading final : public Shading {
       const Ray ray = rays[i];
       const Vec3f other = ray.origin + ray.dir * hit.t;
       // The growth of a pixel with distance.
-      const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, scene_.forward);
-      const float behind = dot(other - point, scene_.forward);
+      const Vec3f forward = scene_.eye.omnidirectional ? w.rays().rays[i].dir : scene_.forward;
+      const float depth = scene_.eye.parallel ? 1 : dot(point - scene_.eye.from, forward);
+      const float behind = dot(other - point, forward);
       const float step =
           4 * outline_ * pixel * depth;  // the maximum step within a surface, as a slope
       const bool flat = PrimitiveKind(v.kind[i]) == PrimitiveKind::triangle;
@@ -425,6 +490,7 @@ class AmbientShading final : public Shading {
   StyleParams look_;
   float outline_;  // radius of the circle, pixels
   Sampler occlusion_sampler_;
+  std::optional<EnvironmentLight> environment_;
   Vec3f to_key_, key_u_, key_v_;
   Rgb line_color_;  // contrasts with the background
   // For current rays: whether they are on a line. For undecided probes, which need normals: rays,
@@ -434,7 +500,8 @@ class AmbientShading final : public Shading {
   HitBatch crease_hits_;
   std::unique_ptr<SurfacePoints> around_;
   std::array<uint32_t, kChunk> crease_of_{};
-  alignas(64) float rim_[kChunk + kWidth] = {};  // of the current rays
+  alignas(64) float rim_[kChunk + kWidth] = {};         // of the current rays
+  alignas(64) float irradiance_[kChunk + kWidth] = {};  // of their surfaces, by the current light
   PathRays others_;  // the other rays, while the current ones are those without hits
   HitBatch other_hits_;
 };
@@ -452,16 +519,32 @@ HWY_AFTER_NAMESPACE();
 namespace raio::core {
 
 double ambient_bound(const Scene& scene, const RenderSettings& settings) {
-  const StyleParams look = params_of(settings.figure.look);
+  const FigureSettings& figure = settings.figure;
+  const StyleParams look = params_of(figure.look);
+  double environment = scene.environment.empty() ? 1 : 0;
+  for (const Rgb& texel : scene.environment_texels)
+    environment = std::max(environment, double(max_component(texel)));
+  const double sky = max_component(figure.sky_light) * environment;
+  double lights = 0;  // irradiance
+  if (figure.key_light == KeyLight::scene)
+    for (const SampledLight& light : sampled_lights(scene, settings.camera))
+      lights += light.brightest();
+  const double light = sky + look.key + lights / std::numbers::pi;
   const float own_color = brightest_color(scene);  // may override a material's
   const float tint = brightest_tint(scene);
-  double surface = 0;
-  for (const Material& m : scene.materials)
+  double surface = 0, lobe = 0;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
     surface = std::max(surface, double(m.kd) * std::max(max_component(m.color), own_color) * tint);
-  const double light = double(look.sky) + look.key;
-  const double background = settings.sky ? double(settings.sky->largest) / 255
-                                         : double(max_component(settings.background));
-  return background + std::max(light * surface + look.highlight + look.rim, 1.0);
+    lobe = std::max(lobe, double(m.ks) * max_component(scene.specular_of(MaterialId(i))) *
+                              (double(m.shine) + 8) / (8 * std::numbers::pi));
+  }
+  double background = max_component(settings.background);
+  if (settings.sky) background = double(settings.sky->largest) / 255;
+  if (settings.sees_environment) background = environment;
+  return background +
+         std::max(light * surface + lights * lobe + look.highlight + look.rim * std::max(sky, 1.0),
+                  1.0);
 }
 
 }  // namespace raio::core

@@ -76,6 +76,18 @@ HWY_INLINE WideRay<D> parallel(const WideEye<D>& eye, V x, V y) {
   return {eye.from + (eye.corner + eye.per_x * x + eye.per_y * y), eye.forward};
 }
 
+/// From the eye in the direction of (x, y) of a picture of all directions.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE WideRay<D> omnidirectional(D tag, const EyeRays& rays, const WideEye<D>& eye, V x, V y) {
+  const V half = hn::Set(tag, 0.5f);
+  const V across = hn::Sub(hn::Div(x, hn::Set(tag, rays.columns)), half);
+  const V down = hn::Sub(hn::Div(y, hn::Set(tag, rays.rows)), half);
+  const Wide2<D> azimuth = on_circle(tag, across),
+                 altitude = on_circle(tag, hn::Mul(down, hn::Neg(half)));
+  const Wide3<D> level = eye.forward * azimuth.x + eye.right * azimuth.y;
+  return {eye.from, normalize(tag, level * altitude.x + eye.up * altitude.y)};
+}
+
 /// From `lens` (a point of the unit disc, times `radius`) to the point of the focal plane that the
 /// pinhole would see at (x, y). Cook, Porter and Carpenter 1984, "Distributed Ray Tracing".
 template <class D, class V = hn::Vec<D>>

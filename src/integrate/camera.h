@@ -14,22 +14,33 @@ namespace raio::core {
 /// The angle is vertical, from edge to edge or between the centres of the outermost pixels: then a
 /// picture of n + 1 by n + 1 pixels has its rays at the corners of one of n by n from edge to edge.
 /// Pixels are square; right is view x up.
+///
+/// An omnidirectional picture is equirectangular: x is the azimuth about the up direction, 360
+/// degrees from behind over the left, the middle and the right; y the altitude, from 90 degrees to
+/// -90.
 struct EyeRays {
-  bool parallel;
+  bool parallel, omnidirectional;
   Vec3f from;
   Vec3f right, up, forward;  // unit
   // corner + per_x * x + per_y * y leads from the eye to the point at distance 1 along the view on
-  // the ray through (x, y); for parallel rays, to its origin.
+  // the ray through (x, y); for parallel rays, to its origin; for all directions, near the middle.
   Vec3f corner, per_x, per_y;
+  float columns, rows;  // of the picture
 
   EyeRays(const Camera& camera, int width, int height, bool angle_to_centers = false)
-      : parallel(camera.is_parallel()), from(camera.from) {
+      : parallel(camera.is_parallel()),
+        omnidirectional(camera.is_omnidirectional()),
+        from(camera.from),
+        columns(float(width)),
+        rows(float(height)) {
     const Vec3d view = Vec3d(camera.at) - Vec3d(camera.from), ahead = normalize(view);
     const Vec3d to_right = normalize(cross(ahead, Vec3d(camera.up)));
     const Vec3d to_up = cross(to_right, ahead);
     float half_height = float(exact_tan(double(camera.fov_deg) * std::numbers::pi / 360));
     if (angle_to_centers && height > 1) half_height *= float(height) / float(height - 1);
-    const double half_width = double(half_height) * width / height;
+    double half_width = double(half_height) * width / height;
+    if (omnidirectional)
+      half_height = float(std::numbers::pi / 2), half_width = std::numbers::pi;  // radians
     right = Vec3f(to_right), up = Vec3f(to_up), forward = Vec3f(ahead);
     const double distance = parallel ? length(view) : 1;  // where the picture has this size
     corner = Vec3f((parallel ? Vec3d() : ahead) - to_right * (half_width * distance) +
@@ -64,6 +75,13 @@ struct EyeRays {
   Ray pinhole(float x, float y, float time = 0) const {
     const Vec3f towards = corner + per_x * x + per_y * y;
     if (parallel) return {.origin = from + towards, .dir = forward, .time = time};
+    if (omnidirectional) {
+      const double azimuth = double(x / columns - 0.5f) * 2 * std::numbers::pi;
+      const double altitude = double(0.5f - y / rows) * std::numbers::pi;
+      const Vec3d level = Vec3d(forward) * exact_cos(azimuth) + Vec3d(right) * exact_sin(azimuth);
+      const Vec3d dir = level * exact_cos(altitude) + Vec3d(up) * exact_sin(altitude);
+      return {.origin = from, .dir = normalize(Vec3f(dir)), .time = time};
+    }
     return {.origin = from, .dir = normalize(towards), .time = time};
   }
 };

@@ -17,17 +17,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
+// The depth of points along the line of sight, or, for all directions, from the eye.
+HWY_INLINE V depth_of(const PreparedScene& scene, const V3& points) {
+  const V3 away = points - set3(d, scene.eye.from);
+  return scene.eye.omnidirectional ? length(away) : dot(away, set3(d, scene.forward));
+}
+
 // The depths of the hits of rays i, i + 1, ... along the line of sight, from the camera, wherever
 // on the lens they start.
 HWY_INLINE V depths_of_hits(const PreparedScene& scene, const RayBatch& rays, const HitBatch& hits,
                             size_t i) {
   const V3 points = origins(rays, i) + directions(rays, i) * load(hits.t, i);
-  if (!scene.eye.movement) return dot(points - set3(d, scene.eye.from), set3(d, scene.forward));
+  if (!scene.eye.movement) return depth_of(scene, points);
   V depths = hn::Zero(d);
   for (size_t k = i; k < std::min(i + kWidth, rays.size()); ++k) {
     const Camera camera = camera_at(scene.settings.camera, rays.time[k]);
     const V3 forward = set3(d, normalize(camera.at - camera.from));
-    const V depth = dot(points - set3(d, camera.from), forward);
+    const V3 away = points - set3(d, camera.from);
+    const V depth = scene.eye.omnidirectional ? length(away) : dot(away, forward);
     depths = hn::IfThenElse(hn::FirstN(d, k - i), depths, depth);
   }
   return depths;

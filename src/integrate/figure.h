@@ -65,12 +65,17 @@ constexpr StyleParams params_of(FigureStyle look) {
   return {Rgb(1), 0.62f, 0.5f, 0.06f, 30, 0, 0, 0.22f, 0.12f, true};
 }
 
+/// What lights figures besides the sky: nothing, a light over the viewer's left shoulder, or the
+/// scene's own lights.
+enum class KeyLight : uint8_t { off, on, scene };
+
 /// The settings of a figure, besides those of all pictures.
 struct FigureSettings {
   FigureStyle look = FigureStyle::paper_2;
-  int occlusion_rays = 2;        // per visible surface and sample
+  Rgb sky_light = Rgb(params_of(FigureStyle::paper_2).sky);  // radiance
+  int occlusion_rays = 2;                                    // per visible surface and sample
   float occlusion_distance = 0;  // farther occluders are ignored, scene units; 0: any distance
-  bool key_light = true;
+  KeyLight key_light = KeyLight::on;
   float outline = 0;    // width, pixels
   float depth_cue = 0;  // the fraction of the background at the farthest point
   bool shadow_catcher = false;

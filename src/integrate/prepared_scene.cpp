@@ -18,7 +18,8 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       sampler(r) {
   if (r.figure.depth_cue > 0) measure_depth();
   if (r.figure.shadow_catcher) lay_floor();
-  const Rgb uncolored(float(1 / std::sqrt(double(std::max<size_t>(1, s.lights.size())))));
+  if (r.figure.key_light == KeyLight::scene) lights = sampled_lights(s, r.camera);
+  const Rgb uncolored = uncolored_intensity(s);
   for (const Light& l : s.lights) {
     Emitter e{l.position, l.color.value_or(uncolored), {}, {}};
     if (r.soft_shadows) {
@@ -41,7 +42,8 @@ void PreparedScene::measure_depth() {
   nearest = -farthest;
   for_each_edge(box, [&](Vec3f from, Vec3f to) {
     for (const Vec3f corner : {from, to}) {
-      const float depth = dot(corner - eye.from, forward);
+      const float depth =
+          eye.omnidirectional ? length(corner - eye.from) : dot(corner - eye.from, forward);
       nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
     }
   });

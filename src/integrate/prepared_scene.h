@@ -9,6 +9,7 @@
 #include "base/executor.h"
 #include "integrate/camera.h"
 #include "integrate/film.h"
+#include "integrate/lights.h"
 #include "integrate/sampler.h"
 #include "integrate/settings.h"
 
@@ -36,6 +37,7 @@ struct PreparedScene {
   float floor_height = 0, floor_distance = 0;
   Sampler sampler;
   std::vector<Emitter> emitters;
+  std::vector<SampledLight> lights;  // of figures with KeyLight::scene
 
   PreparedScene(const Scene&, const Accel&, const RenderSettings&);
 

@@ -85,6 +85,7 @@ struct RenderSettings : PlainOptions {
   IntegratorKind integrator = IntegratorKind::classic;
   Rgb background;                      // the radiance of rays that hit nothing
   std::shared_ptr<const CubeMap> sky;  // replaces it; null: none
+  bool sees_environment = false;       // replaces both by the scene's environment
   Tone tone = Tone::none;              // for display formats
 
   float preview_scale = 1;  // its sides relative to those of the picture that View::focus judges

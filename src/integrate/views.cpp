@@ -27,9 +27,10 @@ class ViewsShading final : public Shading {
         distance_(length(scene.settings.camera.at - scene.settings.camera.from)),
         focus_(scene.settings.focus) {
     // A lens of radius R focused at F blurs a point at depth z over a circle of diameter 2 R |z -
-    // F| / z on the focal plane. Parallel rays have no lens.
+    // F| / z on the focal plane. Other projections have no lens.
     const float pixel = length(scene.eye.per_y) * scene.settings.preview_scale;
-    if (!scene.eye.parallel) blur_ = 2 * scene.settings.aperture / (pixel * focus_);
+    if (scene.settings.camera.can_have_lens())
+      blur_ = 2 * scene.settings.aperture / (pixel * focus_);
   }
 
   Rgb background() const override { return {}; }

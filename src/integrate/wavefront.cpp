@@ -111,7 +111,9 @@ size_t Wavefront::make_eye_rays(size_t first, const WideSampler<D>& sampler) {
     const V x = hn::Add(to_float(pixels_.column_of(pixel)), within.x);
     const V y = hn::Add(to_float(pixels_.row_of(pixel)), within.y);
     if (eye.movement) wide_eye = eye_at(d, eye, times_.of(pixel, hn::FirstN(d, end - i)));
-    WideRay<D> ray = eye.parallel ? parallel(wide_eye, x, y) : pinhole(d, wide_eye, x, y);
+    WideRay<D> ray = eye.parallel          ? parallel(wide_eye, x, y)
+                     : eye.omnidirectional ? omnidirectional(d, eye, wide_eye, x, y)
+                                           : pinhole(d, wide_eye, x, y);
     if (settings.dof) {
       const Wide2<D> square = sampler.in_square(place, branch, kLens);
       const Wide2<D> lens = square_to_disc(d, square.x, square.y);

@@ -87,6 +87,7 @@ Scene plain_scene(const Scene& scene) {
   plain.meshes.clear();
   plain.object_names.clear(), plain.object_ranges.clear();
   plain.material_texture.clear(), plain.textures.clear(), plain.texels.clear();
+  plain.physical_lights.clear(), plain.environment.clear(), plain.environment_texels.clear();
   return plain;
 }
 

@@ -13,7 +13,8 @@ bool is_plain(const Scene& scene);
 Scene plain_scene(const Scene& scene);
 
 inline constexpr std::initializer_list<Feature> kNotPlain = {
-    Feature::opacity, Feature::vertex_colors, Feature::texture_coordinates, Feature::textures,
-    Feature::object_names};
+    Feature::opacity,    Feature::vertex_colors, Feature::texture_coordinates,
+    Feature::textures,   Feature::object_names,  Feature::physical_lights,
+    Feature::environment};
 
 }  // namespace raio::core

@@ -251,6 +251,7 @@ std::string lost_features(const Scene& scene, SceneFormat format) {
   };
   if (format == SceneFormat::nff && scene.dialect == Dialect::nff)
     add(text_of(scene, {Feature::specular_colors, Feature::roughness, Feature::sky}));
+  add(text_of(scene, {Feature::all_directions}));
   if (format == SceneFormat::nff && scene.camera.is_parallel()) add("the camera's parallel rays");
   if (format == SceneFormat::nff && scene.dialect == Dialect::data)
     add("the light of figures and their background");

@@ -168,10 +168,42 @@ void Scene::set_background(Triple color) {
 }
 
 void Scene::add_light(Triple position, std::optional<Triple> color, double size) {
-  Light light{Vec3f(vec(position) - data_->scene.origin), {}};
+  core::Light light{Vec3f(vec(position) - data_->scene.origin), {}};
   if (color) light.color = rgb(*color);
   if (size > 0) light.extent = {.width = float(size), .depth = float(size)};
   data_->scene.lights.push_back(light);
+}
+
+void Scene::add_light(const Light& l) {
+  data_->scene.physical_lights.push_back({.kind = LightKind(l.kind),
+                                          .color = rgb(l.color),
+                                          .position = Vec3f(vec(l.position) - data_->scene.origin),
+                                          .direction = Vec3f(vec(l.direction)),
+                                          .angular_diameter = float(l.angular_diameter),
+                                          .opening = float(l.opening),
+                                          .falloff = float(l.falloff),
+                                          .edge1 = Vec3f(vec(l.edge1)),
+                                          .edge2 = Vec3f(vec(l.edge2)),
+                                          .front = l.front,
+                                          .back = l.back,
+                                          .radius = float(l.radius),
+                                          .inner_radius = float(l.inner_radius)});
+}
+
+void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, Triple up,
+                            Triple direction, bool visible) {
+  guarded([&] {
+    core::Scene& scene = data_->scene;
+    const size_t count = size_t(width) * height;
+    if (count > kMaxTexels || (count > 0 && !rgb) || !width != !height)
+      refuse(fmt::format("an environment has 1 to {} pixels, or is 0 x 0; found {} x {}{}",
+                         kMaxTexels, width, height, rgb ? "" : " at a null pointer"));
+    scene.environment.clear(), scene.environment_texels.clear();
+    if (count == 0) return;
+    scene.environment = {{width, height, Vec3f(vec(up)), Vec3f(vec(direction)), visible}};
+    const auto* const texels = reinterpret_cast<const Rgb*>(rgb);
+    scene.environment_texels = Array<Rgb>(texels, texels + count);
+  });
 }
 
 uint32_t Scene::add_material(const Material& m) {

@@ -55,7 +55,7 @@ class EffectMeasurement {
                                 .presence = is_in_scene(effect, scene_, base_.settings.fresnel)
                                                 ? EffectCost::in_picture
                                                 : EffectCost::not_in_scene});
-    if (base_.settings.camera.is_parallel())
+    if (!base_.settings.camera.can_have_lens())
       cost(Effect::depth_of_field).presence = EffectCost::not_in_picture;
     const bool empty = scene_.primitive_count() == 0;
     if (empty || (measure_effects() && measure_structure())) {

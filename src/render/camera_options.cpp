@@ -77,8 +77,8 @@ void set_camera(RenderOptions& options, const Camera& camera, const Scene& scene
   options.at = given(camera.at != own.at || refits, camera.at, scene.origin);
   options.up = given(camera.up != own.up, camera.up, {});
   // An angle that fits the width depends on the picture's aspect ratio.
-  options.fov_deg =
-      camera.fov_deg == own.fov_deg && own.horizontal_fov_deg == 0 ? 0 : camera.fov_deg;
+  const bool has_own_angle = camera.fov_deg == own.fov_deg && own.horizontal_fov_deg == 0;
+  options.fov_deg = has_own_angle || camera.is_omnidirectional() ? 0 : camera.fov_deg;
   options.projection.reset();
   if (camera.projection != own.projection) options.projection = camera.projection;
 }

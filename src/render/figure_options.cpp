@@ -1,5 +1,7 @@
 #include "render/figure_options.h"
 
+#include <fmt/format.h>
+
 #include "render/picture_options.h"
 
 namespace raio::core {
@@ -18,12 +20,42 @@ std::string look_text(const RenderOptions& options, const OptionSpec&) {
   return options.look ? std::string(kLookNames[size_t(*options.look)]) : "";
 }
 
+std::expected<void, std::string> set_sky_light(RenderOptions& options, const OptionSpec& spec,
+                                               std::string_view text) {
+  Rgb light;
+  if (const auto grey = parse_number<float>(text))
+    light = Rgb(*grey);
+  else if (!parse_list(text, ',', light))
+    light = Rgb(-1);
+  for (int c = 0; c < 3; ++c)
+    if (!(light[c] >= float(spec.least) && light[c] <= float(spec.most)))
+      return expected_but(
+          fmt::format("a number, or three as R,G,B, from {} to {}", spec.least, spec.most), text);
+  options.sky_light = light;
+  return {};
+}
+
+std::string sky_light_text(const RenderOptions& options, const OptionSpec&) {
+  if (!options.sky_light) return "";
+  const Rgb& light = *options.sky_light;
+  return light == Rgb(light.x) ? fmt::format("{}", light.x)
+                               : fmt::format("{},{},{}", light.x, light.y, light.z);
+}
+
 namespace {
 
 // Whether the background is one colour, for depth cueing to fade into.
 bool has_plain_background(const RenderOptions& options, const Scene& scene) {
   const bool transparent = options.background && options.background->transparent;
-  return !transparent && !background_of(options, scene).sky;
+  return !transparent && !background_of(options, scene).sky && !sees_environment(options, scene);
+}
+
+// The defaults that the scene decides: its own light as it is, if it has any.
+KeyLight usual_key_light(const Scene& scene) {
+  return scene.physical_lights.empty() ? KeyLight::on : KeyLight::scene;
+}
+Rgb usual_sky_light(const Scene& scene, const StyleParams& look) {
+  return Rgb(scene.environment.empty() ? look.sky : 1);
 }
 
 }  // namespace
@@ -33,23 +65,24 @@ FigureSettings figure_settings(const RenderOptions& options, const Scene& scene)
   figure.look = options.look.value_or(FigureSettings().look);
   if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
   figure.occlusion_distance = options.occlusion_distance;
-  figure.key_light = options.key_light.value_or(true);
+  figure.key_light = options.key_light.value_or(usual_key_light(scene));
   figure.shadow_catcher = options.shadow_catcher;
   const StyleParams look = params_of(figure.look);
+  figure.sky_light = options.sky_light.value_or(usual_sky_light(scene, look));
   figure.outline = options.outline.value_or(look.outline);
   const bool fades = has_plain_background(options, scene);
   figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
   return figure;
 }
 
-void set_figure(RenderOptions& options, const FigureSettings& figure) {
-  const FigureSettings usual;
+void set_figure(RenderOptions& options, const FigureSettings& figure, const Scene& scene) {
   options.look = figure.look;
   options.occlusion_rays = figure.occlusion_rays;
   options.occlusion_distance = figure.occlusion_distance;
-  if (figure.key_light != usual.key_light) options.key_light = figure.key_light;
+  if (figure.key_light != usual_key_light(scene)) options.key_light = figure.key_light;
   options.shadow_catcher = figure.shadow_catcher;
   const StyleParams look = params_of(figure.look);
+  if (figure.sky_light != usual_sky_light(scene, look)) options.sky_light = figure.sky_light;
   if (figure.outline != look.outline) options.outline = figure.outline;
   if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
 }

@@ -10,18 +10,23 @@ namespace raio::core {
 
 /// As users write them: the newest version of a style has no number.
 inline constexpr auto kLooks = std::to_array<std::string_view>({"paper", "dark", "flat", "matte"});
-inline constexpr std::array<std::string_view, 2> kOnOff = {"off", "on"};
+inline constexpr std::array<std::string_view, 3> kKeyLights = {"off", "on", "scene"};
 
 std::expected<void, std::string> set_look(RenderOptions& options, const OptionSpec&,
                                           std::string_view text);
 std::string look_text(const RenderOptions& options, const OptionSpec&);
+
+/// "0.5", or "R,G,B" if the components differ; for OptionValue.
+std::expected<void, std::string> set_sky_light(RenderOptions& options, const OptionSpec&,
+                                               std::string_view text);
+std::string sky_light_text(const RenderOptions& options, const OptionSpec&);
 
 /// Samples per pixel if neither the user nor the scene sets them.
 inline constexpr int kFigureSamples = 64;
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene);
 /// The options that resolve to these settings.
-void set_figure(RenderOptions& options, const FigureSettings& figure);
+void set_figure(RenderOptions& options, const FigureSettings& figure, const Scene& scene);
 
 /// Whether depth cueing was requested without a colour to fade into.
 bool fades_into_nothing(const RenderOptions& options, const Scene& scene);

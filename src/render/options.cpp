@@ -21,7 +21,8 @@ constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
 constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
 constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
-constexpr std::array<std::string_view, 2> kProjectionNames = {"perspective", "orthographic"};
+constexpr std::array<std::string_view, 3> kProjectionNames = {"perspective", "orthographic",
+                                                              "omnidirectional"};
 constexpr std::array<std::string_view, 7> kSideNames = {"front", "back",   "left", "right",
                                                         "top",   "bottom", "iso"};
 constexpr std::array<std::string_view, 2> kFitNames = {"all", "most"};
@@ -167,6 +168,8 @@ constexpr auto kOfLight = only_with(IntegratorKind::classic, IntegratorKind::amb
 constexpr auto kLength = range(1e-30, 1e30, "scene units"), kCoordinate = range(-1e30, 1e30);
 constexpr OptionValue<Options> kLook = {OptionType::words, set_look, look_text,
                                         [](Options& o) { o.look.reset(); }, true};
+constexpr OptionValue<Options> kSkyLight = {OptionType::color, set_sky_light, sky_light_text,
+                                            [](Options& o) { o.sky_light.reset(); }, true};
 
 using enum OptionGroup;
 using table::kAlwaysStored, table::kNotOfPicture, table::kNotOfWindow;
@@ -211,10 +214,12 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            one_of(kFitNames)),
     option(camera, "fov", "DEG", "Vertical field of view", kValue<&Options::fov_deg>,
            usual("the scene's"), range(0.001, 179, "degrees")),
-    option(camera, "projection", "NAME",
-           "Eye rays from one point (perspective) or parallel (orthographic); both show the same "
-           "size at the distance of the point looked at",
-           kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
+    option(
+        camera, "projection", "NAME",
+        "Eye rays from one point (perspective) or parallel (orthographic); both show the same "
+        "size at the distance of the point looked at; or in all directions (omnidirectional), as "
+        "an equirectangular picture with that point in the middle",
+        kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
     option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
            usual("classic; ambient for atoms, points and meshes; views with `view`"),
            one_of(kIntegratorNames)),
@@ -312,14 +317,21 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Look of figures: paper, soft light on white; dark; flat, outlines without a key "
            "light; or matte; a number fixes the version, as in paper-1",
            kLook, usual("paper"), one_of(kLooks), kOfFigures),
+    option(figures, "sky-light", "COLOR",
+           "Radiance of the sky: a number or R,G,B, with 1 for a sky in which white surfaces are "
+           "white; 0 for no sky",
+           kSkyLight, usual("the look's; 1 for a scene with an environment"), range(0, 1e6),
+           kOfFigures),
     option(figures, "occlusion-rays", "N", "Rays to the sky from each surface point",
            kValue<&Options::occlusion_rays>, usual("2"), range(1, 4096), kOfFigures),
     option(figures, "occlusion-distance", "D",
            "Surfaces farther away than D scene units hide no sky",
            kValue<&Options::occlusion_distance>, usual("any distance"), kLength, kOfFigures),
-    option(figures, "key-light", "on|off",
-           "Light over the viewer's left shoulder, with soft shadows", kValue<&Options::key_light>,
-           usual("on"), one_of(kOnOff), kOfFigures),
+    option(figures, "key-light", "NAME",
+           "Light over the viewer's left shoulder, with soft shadows: on or off; or scene, the "
+           "scene's lights in physical units",
+           kValue<&Options::key_light>, usual("on; scene if it has physical lights"),
+           one_of(kKeyLights), kOfFigures),
     option(figures, "outline", "W",
            "Outlines W pixels wide where depth jumps, faces meet or objects end; 0 for none",
            kValue<&Options::outline>, usual("the look's"), range(0, 64, "pixels"), kOfFigures),

@@ -47,9 +47,10 @@ struct RenderOptions : PlainOptions {
   std::optional<Fresnel> fresnel;
   std::optional<std::array<float, 2>> shutter;  // opens and closes
   std::optional<FigureStyle> look;
+  std::optional<Rgb> sky_light;
   int occlusion_rays = 0;
   float occlusion_distance = 0;
-  std::optional<bool> key_light;
+  std::optional<KeyLight> key_light;
   std::optional<float> outline, depth_cue, opacity;
   bool shadow_catcher = false;
 

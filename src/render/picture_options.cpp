@@ -113,6 +113,11 @@ Background background_of(const RenderOptions& options, const Scene& scene) {
   return {linear_from_srgb(written.color), nullptr};
 }
 
+bool sees_environment(const RenderOptions& options, const Scene& scene) {
+  return !options.background && integrator_of(options, scene) == IntegratorKind::ambient &&
+         !scene.environment.empty() && scene.environment[0].visible;
+}
+
 ChannelSet channels_of(const RenderOptions& options) {
   ChannelSet channels = options.channels;
   if (options.background && options.background->transparent) channels.add(Channel::alpha);
@@ -130,6 +135,10 @@ std::optional<Error> window_conflict(const RenderOptions& options) {
                       "the window has no printed size; leave it out, or render to a file");
   if (options.crop)
     return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
+  if (options.projection == Projection::omnidirectional)
+    return bad_option("projection",
+                      "the window shows no omnidirectional pictures; choose another, or render to "
+                      "a file");
   if (options.background && options.background->transparent)
     return bad_option("background",
                       "the window cannot show transparency; give a colour, or render to a file");

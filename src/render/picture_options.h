@@ -36,6 +36,10 @@ struct Background {
 };
 Background background_of(const RenderOptions& options, const Scene& scene);
 
+/// Whether eye rays see the scene's environment: with the integrator `ambient`, unless a background
+/// is given.
+bool sees_environment(const RenderOptions& options, const Scene& scene);
+
 /// Part of option_conflict(). Without a scene, checks that depend on it pass.
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene);
 

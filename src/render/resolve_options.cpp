@@ -110,13 +110,20 @@ std::optional<Error> size_conflict(const RenderOptions& options, const RenderSet
   return std::nullopt;
 }
 
-// Parallel rays have no lens.
-std::optional<Error> lens_conflict(const RenderOptions& options) {
-  constexpr std::string_view kWhy =
-      "a lens needs `projection` perspective; leave it or `projection` orthographic out";
-  if (options.dof == true) return bad_option("dof", std::string(kWhy));
-  if (options.aperture > 0) return bad_option("aperture", std::string(kWhy));
-  if (options.focus > 0) return bad_option("focus", std::string(kWhy));
+// Options that need another projection.
+std::optional<Error> projection_conflict(const RenderOptions& options, Projection projection) {
+  if (projection == Projection::perspective) return std::nullopt;
+  const std::string_view name = projection_name(projection);
+  const std::string why =
+      fmt::format("a lens needs `projection` perspective; leave it or `projection` {} out", name);
+  if (options.dof == true) return bad_option("dof", why);
+  if (options.aperture > 0) return bad_option("aperture", why);
+  if (options.focus > 0) return bad_option("focus", why);
+  if (projection == Projection::orthographic) return std::nullopt;
+  for (const std::string_view angle : {"fov", "angle-to-centers"})
+    if (option_of(angle).is_given(options))
+      return bad_option(
+          angle, fmt::format("has no effect with `projection` {}; leave one of them out", name));
   return std::nullopt;
 }
 
@@ -133,6 +140,19 @@ std::optional<Error> fit_conflict(const RenderOptions& options) {
                       "cannot be combined with a side in `from`, where the camera looks at the "
                       "whole scene; give `from` numbers or leave `at` out");
   if (options.up == Vec3d()) return bad_option("up", "must not be 0");
+  return std::nullopt;
+}
+
+// Light that the picture would leave out.
+std::optional<Error> light_conflict(const Scene& scene, const RenderSettings& s) {
+  if (s.integrator == IntegratorKind::classic)
+    if (const std::string light = text_of(scene, {Feature::physical_lights, Feature::environment});
+        !light.empty())
+      return bad_option("integrator",
+                        fmt::format("classic would leave out {}; choose ambient", light));
+  if (s.figure.shadow_catcher && s.figure.key_light == KeyLight::scene)
+    return bad_option("shadow-catcher",
+                      "catches no shadows of `key-light` scene; leave it out, or choose on or off");
   return std::nullopt;
 }
 
@@ -153,8 +173,8 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
                       "fades into a colour; give one as `background`, or leave it out");
   const RenderSettings s = resolve_options(options, scene);
   if (auto why = size_conflict(options, s)) return why;
-  if (s.camera.is_parallel())
-    if (auto why = lens_conflict(options)) return why;
+  if (auto why = projection_conflict(options, s.camera.projection)) return why;
+  if (auto why = light_conflict(scene, s)) return why;
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
   if (!s.dof && options.focus > 0) return without("focus", "dof");
   if (options.shutter && !scene.moves())
@@ -199,8 +219,8 @@ std::optional<Error> option_conflict(const RenderOptions& options, const Scene* 
     return bad_option("view", fmt::format("{} belongs to `integrator` views; leave one of them out",
                                           view_name(options.view)));
   if (auto why = picture_conflict(options, scene)) return why;
-  if (options.projection == Projection::orthographic)
-    if (auto why = lens_conflict(options)) return why;
+  if (auto why = projection_conflict(options, options.projection.value_or(Projection())))
+    return why;
   if (scene) return scene_conflict(options, *scene);
   if (options.dof == false && options.aperture > 0) return without("aperture", "dof");
   if (options.dof == false && options.focus > 0) return without("focus", "dof");
@@ -280,6 +300,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
     s.channels.add(Channel::position_low);
   const Background background = background_of(o, scene);
   s.background = background.color, s.sky = background.sky;
+  s.sees_environment = sees_environment(o, scene);
   s.tone = tone_of(o, scene);
   s.accel.counters |= s.view == View::steps || s.view == View::tests ||
                       s.channels.has(Channel::steps) || s.channels.has(Channel::tests);
@@ -300,7 +321,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
     s.aa = std::max(1, int(std::lround(std::sqrt(double(scene.requests.samples_per_pixel)))));
   if (s.samples == 0 && o.lens_samples == 0) s.lens_samples = 1;
 
-  s.dof = !s.camera.is_parallel() && o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
+  s.dof = s.camera.can_have_lens() && o.dof.value_or(s.camera.lens_radius.value_or(0) > 0);
   if (o.focus == 0) s.focus = s.camera.focus_distance.value_or(length(s.camera.at - s.camera.from));
   if (o.aperture == 0) s.aperture = s.camera.lens_radius.value_or(s.focus / 50);
   s.shading = o.shading.value_or(usual(scene.dialect).shading);
@@ -318,10 +339,11 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   o.accel.opacity = 1;
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
-  if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure);
+  if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure, scene);
   // Pictures are written from their settings, without the scene.
   if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
-  if (const Background own = background_of(o, scene); own != Background{s.background, s.sky})
+  if (const Background own = background_of(o, scene);
+      own != Background{s.background, s.sky} || s.sees_environment != sees_environment(o, scene))
     o.background = WrittenColor{.color = s.background, .sky = s.sky};
   set_camera(o, s.camera, scene);
   o.sampler = s.sampler, o.dof = s.dof;

@@ -82,9 +82,11 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
                                      ? "the scene has no light; surfaces show ambient light only"
                                      : "the scene has no light, and this shading model no ambient "
                                        "light, so surfaces are black"});
-  if (settings.camera.is_parallel() && settings.camera.lens_radius.value_or(0) > 0)
-    warnings.push_back({SceneWarning::no_lens,
-                        "the scene's lens has no effect on parallel rays; everything is sharp"});
+  if (!settings.camera.can_have_lens() && settings.camera.lens_radius.value_or(0) > 0)
+    warnings.push_back(
+        {SceneWarning::no_lens,
+         fmt::format("the scene's lens has no effect on {} rays; everything is sharp",
+                     settings.camera.is_parallel() ? "parallel" : "omnidirectional")});
   if (const size_t count = scene.primitive_count(); scene.requests.structure == AccelHint::none &&
                                                     settings.accel.kind == AccelKind::none &&
                                                     count > kManyPrimitives)
@@ -157,7 +159,8 @@ std::optional<std::string> blank_warning(const Film& film, const RenderSettings&
       settings.channels.has(Channel::alpha)
           ? std::ranges::all_of(std::get<Column<float>>(film.resolve(Channel::alpha)),
                                 is_transparent)
-          : !settings.sky && std::ranges::all_of(film.resolve().pixels, is_background);
+          : !settings.sky && !settings.sees_environment &&
+                std::ranges::all_of(film.resolve().pixels, is_background);
   if (!is_blank) return std::nullopt;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);

@@ -97,9 +97,9 @@ void for_each_object_column(ObjectType& object, F&& f) {
   f(kInstances, object.instances);
 }
 
-/// Calls f(ColumnName, array) for the arrays of `scene`, const or not, except lights, object names
-/// and the arrays of meshes and prototypes. The order is that of the hash, so new arrays go at the
-/// end.
+/// Calls f(ColumnName, array) for the arrays of `scene`, const or not, except NFF's lights, object
+/// names and the arrays of meshes and prototypes. The order is that of the hash, so new arrays go
+/// at the end.
 template <class SceneType, class F>
 void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"materials"}, s.materials);
@@ -111,6 +111,9 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"material_texture", Counted::where_used}, s.material_texture);
   f(ColumnName{"textures", Counted::where_used}, s.textures);
   f(ColumnName{"texels", Counted::where_used}, s.texels);
+  f(ColumnName{"physical_lights", Counted::where_used}, s.physical_lights);
+  f(ColumnName{"environment", Counted::where_used}, s.environment);
+  f(ColumnName{"environment_texels", Counted::where_used}, s.environment_texels);
 }
 
 /// The scene's own arrays, then those of each mesh.

@@ -70,6 +70,7 @@ std::string content_hash(const Scene& s) {
     all.add(camera.horizontal_fov_deg);
   }
   if (camera.is_parallel()) all.add_word("camera orthographic");
+  if (camera.is_omnidirectional()) all.add_word("camera omnidirectional");
   for (size_t i = 0; i < s.lights.size(); ++i)
     if (const auto& extent = s.lights[i].extent) {
       all.add_word("light extent");

@@ -224,10 +224,9 @@ uint32_t object_of(const Object& object, PoolKind pool, size_t index) {
 
 std::string text_of(const Scene& scene, std::initializer_list<Feature> features) {
   std::string text;
+  const auto name = [&](const std::string& what) { text += (text.empty() ? "" : ", ") + what; };
   const auto add = [&](std::string_view what, size_t count, std::string_view noun) {
-    if (count == 0) return;
-    if (!text.empty()) text += ", ";
-    text += std::string(what) + " of " + plural(count, noun);
+    if (count > 0) name(std::string(what) + " of " + plural(count, noun));
   };
   const auto meshes_with = [&](auto column) {
     return size_t(
@@ -282,8 +281,17 @@ std::string text_of(const Scene& scene, std::initializer_list<Feature> features)
         add("movement", scene.camera.movement ? 1 : 0, "camera");
         break;
       case Feature::sky:
-        if (scene.requests.sky_folder.empty()) break;
-        text += (text.empty() ? "" : ", ") + ("the sky in " + scene.requests.sky_folder);
+        if (!scene.requests.sky_folder.empty()) name("the sky in " + scene.requests.sky_folder);
+        break;
+      case Feature::physical_lights:
+        if (const size_t count = scene.physical_lights.size(); count > 0)
+          name(plural(count, "physical light"));
+        break;
+      case Feature::all_directions:
+        if (scene.camera.is_omnidirectional()) name("the camera's view in all directions");
+        break;
+      case Feature::environment:
+        if (!scene.environment.empty()) name("the environment");
         break;
     }
   }

@@ -42,12 +42,12 @@ struct CameraMovement {
 };
 
 /// The directions of eye rays: all from one point, or parallel, from a plane through that point
-/// perpendicular to the line of sight. Objects as far away as `at` have the same size in both.
-/// Files store the numbers.
-enum class Projection : uint32_t { perspective, orthographic };
+/// perpendicular to the line of sight. Objects as far away as `at` have the same size in both. Or
+/// in all directions, as azimuth and altitude (integrate/camera.h). Files store the numbers.
+enum class Projection : uint32_t { perspective, orthographic, omnidirectional };
 
-/// A pinhole, thin-lens or orthographic camera. Right is `to_at` x `up`; `up` need not be
-/// perpendicular.
+/// A pinhole, thin-lens, orthographic or omnidirectional camera. Right is `to_at` x `up`; `up` need
+/// not be perpendicular.
 struct Camera {
   Vec3f from{0, 0, 0};
   Vec3f at{0, 0, -1};
@@ -64,6 +64,8 @@ struct Camera {
   std::optional<CameraMovement> movement;
 
   bool is_parallel() const { return projection == Projection::orthographic; }
+  bool is_omnidirectional() const { return projection == Projection::omnidirectional; }
+  bool can_have_lens() const { return projection == Projection::perspective; }
 
   friend bool operator==(const Camera&, const Camera&) = default;
 };
@@ -112,6 +114,33 @@ struct Light {
   Vec3f position;
   std::optional<Rgb> color;             // nothing: white, 1 / sqrt(number of lights)
   std::optional<LightExtent> extent{};  // NOLINT(readability-redundant-member-init)
+};
+
+/// The kinds of physical lights. Files store the numbers.
+enum class LightKind : uint32_t { point, directional, spot, quad, ring };
+inline constexpr auto kLightKindNames =
+    std::to_array<std::string_view>({"point", "directional", "spot", "quad", "ring"});
+
+/// A light in physical units (docs/ambient.md), unlike those of NFF. Angles are in degrees.
+struct PhysicalLight {
+  LightKind kind = LightKind::point;
+  Rgb color{1, 1, 1};  // intensity of points and spots; irradiance; radiance of quads and rings
+  Vec3f position;      // of points and spots; the centre of a ring; a corner of a quad
+  Vec3f direction{0, 0, -1};   // in which directional lights, spots and rings shine, of any length
+  float angular_diameter = 0;  // of directional lights
+  float opening = 180, falloff = 0;      // of spots and rings: the cone and its border inside
+  Vec3f edge1{1, 0, 0}, edge2{0, 1, 0};  // of a quad
+  uint32_t front = 1, back = 0;          // whether a quad emits towards edge1 x edge2, or back
+  float radius = 0, inner_radius = 0;    // of a ring; radius 0: as a spot
+};
+
+/// A picture of the light from infinitely far away: `width` x `height` of
+/// Scene::environment_texels, rows from `up` to down, the middle column towards `direction`, the
+/// next ones to the right of it as seen from within.
+struct Environment {
+  uint32_t width = 0, height = 0;
+  Vec3f up{0, 0, 1}, direction{1, 0, 0};
+  uint32_t visible = 1;  // whether eye rays see it
 };
 
 /// The language of a scene's file, which selects the shading: that of NFF, that of P3F
@@ -295,6 +324,9 @@ struct Scene : Object {
   /// Replaces `background`; null: none, or the folder could not be read.
   std::shared_ptr<const CubeMap> sky;
   std::vector<Light> lights;
+  Array<PhysicalLight> physical_lights;
+  Array<Environment> environment;  // at most one
+  Array<Rgb> environment_texels;   // radiance
 
   Array<Material> materials;  // never empty in a valid scene
   // Parallel to `materials`, or empty if all have the defaults of NFF: the colour of highlight and
@@ -422,8 +454,11 @@ enum class Feature : uint8_t {
   specular_colors,
   roughness,
   light_extents,
+  physical_lights,
   sky,
-  movement
+  environment,
+  movement,
+  all_directions
 };
 
 /// The numbers of these features in the scene, in one line, such as "opacity of 12 spheres, names

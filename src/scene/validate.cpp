@@ -62,8 +62,8 @@ void check_camera(const Camera& camera, Problems& problems) {
                  "camera: the angle must lie between 0 and 180 degrees");
   problems.check(camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180,
                  "camera: the horizontal angle must lie between 0 and 180 degrees");
-  problems.check(camera.projection <= Projection::orthographic,
-                 "camera: the projection must be perspective or orthographic");
+  problems.check(camera.projection <= Projection::omnidirectional,
+                 "camera: the projection must be perspective, orthographic or omnidirectional");
   problems.check(camera.width >= 0 && camera.height >= 0 && !camera.width == !camera.height,
                  "camera: the resolution must be two positive numbers, or two zeros for none");
   problems.check(!camera.lens_radius || at_least_zero(*camera.lens_radius),
@@ -71,6 +71,28 @@ void check_camera(const Camera& camera, Problems& problems) {
   problems.check(!camera.focus_distance ||
                      (at_least_zero(*camera.focus_distance) && *camera.focus_distance > 0),
                  "camera: the focus distance must be positive");
+}
+
+void check_physical_light(const PhysicalLight& l, size_t i, Problems& problems) {
+  const auto check = [&](bool sound, std::string_view expected) {
+    problems.check(sound, "physical light ", i, ": ", expected);
+  };
+  check(l.kind <= LightKind::ring, "the kind must be 0 to 4");
+  check(is_intensity(l.color), "the colour must be finite and not negative");
+  check(is_finite(l.position), "the position must be finite");
+  check(is_finite(l.direction) && length(l.direction) > 0,
+        "the direction must be finite and not zero");
+  check(l.angular_diameter >= 0 && l.angular_diameter <= 170,
+        "the angular diameter must be 0 to 170 degrees");
+  check(l.opening >= 0 && l.opening <= 360, "the opening must be 0 to 360 degrees");
+  check(l.falloff >= 0 && l.falloff <= l.opening / 2,
+        "the falloff must be 0 to half of the opening");
+  check(is_finite(l.edge1) && is_finite(l.edge2) && length(cross(l.edge1, l.edge2)) > 0,
+        "the edges must be finite and span an area");
+  check(l.front <= 1 && l.back <= 1 && l.front + l.back > 0, "a side of the quad must emit");
+  check(l.inner_radius >= 0 && std::isfinite(l.radius) &&
+            (l.inner_radius < l.radius || (l.inner_radius == 0 && l.radius == 0)),
+        "the inner radius must be at least 0 and below the radius, or both must be 0");
 }
 
 void check_lights_and_materials(const Scene& scene, Problems& problems) {
@@ -87,6 +109,8 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
     problems.check(!light.extent || light.extent->points >= 1, "light ", i,
                    ": the number of points must be at least 1");
   }
+  for (size_t i = 0; i < scene.physical_lights.size(); ++i)
+    check_physical_light(scene.physical_lights[i], i, problems);
   problems.check(!scene.materials.empty(), "there is no material");
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];
@@ -151,6 +175,27 @@ void check_each(size_t count, Problems& problems, const F& check) {
   else if (count > 0)
     one(0);
   for (Problems& chunk : chunks) problems.append(std::move(chunk));
+}
+
+void check_environment(const Scene& scene, Problems& problems) {
+  problems.check(scene.environment.size() <= 1, "there is more than one environment");
+  size_t texels = 0;
+  for (const Environment& e : scene.environment) {
+    texels = size_t(e.width) * e.height;
+    problems.check(texels > 0, "environment: the picture must have a size");
+    problems.check(is_finite(e.up) && is_finite(e.direction) &&
+                       length(cross(Vec3d(e.up), Vec3d(e.direction))) >
+                           1e-7 * length(Vec3d(e.up)) * length(Vec3d(e.direction)),
+                   "environment: up and direction must be finite and not parallel");
+    problems.check(e.visible <= 1, "environment: visible must be 0 or 1");
+  }
+  problems.check(scene.environment_texels.size() == texels && texels <= kMaxTexels,
+                 "environment: there are ", scene.environment_texels.size(), " texels, expected ",
+                 texels, ", at most ", kMaxTexels);
+  check_each(scene.environment_texels.size(), problems, [&](Problems& p, size_t i) {
+    p.check(is_intensity(scene.environment_texels[i]), "environment: texel ", i,
+            " must be finite and not negative");
+  });
 }
 
 /// Triangles and polygons are indices, checked by check_triangles() and check_polygons().
@@ -380,6 +425,7 @@ std::vector<std::string> validate(const Scene& scene) {
   check_camera(scene.camera, problems);
   check_lights_and_materials(scene, problems);
   check_textures(scene, problems);
+  check_environment(scene, problems);
   check_all_pools(scene, scene.materials.size(), problems);
   check_instances(scene, scene.materials.size(), scene.object_names.size(), 0, problems);
   check_objects(scene, scene.object_names.size(), problems);

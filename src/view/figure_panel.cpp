@@ -300,7 +300,7 @@ class FigurePanel {
     tooltip(option_of("look"));
     draw_background(used);
     number("opacity", "opacity", state_.options.opacity.value_or(1), 0, 1, "%.2f");
-    on_or_off("key light", "key-light", figure.key_light, "on", "off");
+    on_or_off("key light", "key-light", figure.key_light == KeyLight::on, "on", "off");
     number("outline", "outline", figure.outline, 0, 8, "%.1f px");
     number("depth cue", "depth-cue", figure.depth_cue, 0, 1, "%.2f");
     int rays = figure.occlusion_rays;

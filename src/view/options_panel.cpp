@@ -77,7 +77,7 @@ RenderOptions options_in_use(const ViewState& state, const CostFacts& facts) {
   used.shutter = {s.shutter_open, s.shutter_close};
   used.opacity = s.accel.opacity;
   const FigureSettings figure = figure_settings(state.options, scene);
-  used.look = figure.look, used.key_light = figure.key_light;
+  used.look = figure.look, used.sky_light = figure.sky_light, used.key_light = figure.key_light;
   used.occlusion_rays = figure.occlusion_rays;
   used.outline = figure.outline, used.depth_cue = figure.depth_cue;
   return used;

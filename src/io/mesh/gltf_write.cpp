@@ -328,8 +328,9 @@ std::string not_in_gltf(const Scene& scene) {
   add(count(scene.planes.size(), "plane"));
   if (const size_t curved = count_curved(scene); curved > 0)
     add(fmt::format("the exact form of {}, replaced by triangles", count(curved, "round shape")));
-  add(text_of(scene, {Feature::object_names, Feature::roughness, Feature::light_extents,
-                      Feature::movement}));
+  add(text_of(scene,
+              {Feature::object_names, Feature::roughness, Feature::light_extents, Feature::movement,
+               Feature::physical_lights, Feature::environment, Feature::all_directions}));
   if (scene.dialect != Dialect::data) add("the background");
   if (scene.camera.lens_radius.value_or(0) > 0) add("the camera's lens");
   return lost;

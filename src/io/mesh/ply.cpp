@@ -374,7 +374,7 @@ class PlyReader {
       camera.at = Vec3f(Vec3d(n[3], n[4], n[5]) - scene.origin);
       camera.up = Vec3f(Vec3d(n[6], n[7], n[8]));
       camera.fov_deg = float(n[9]), camera.horizontal_fov_deg = float(n[10]);
-      if (n[11] == 1) camera.projection = Projection::orthographic;
+      if (n[11] == 1 || n[11] == 2) camera.projection = Projection(int(n[11]));
       // A comment may contain anything.
       const bool are_angles = camera.fov_deg > 0 && camera.fov_deg < 180 &&
                               camera.horizontal_fov_deg >= 0 && camera.horizontal_fov_deg < 180;

@@ -74,7 +74,7 @@ class PlyWriter {
     const auto text = [](Vec3d v) { return fmt::format("{} {} {}", v.x, v.y, v.z); };
     return fmt::format("comment {}{} {} {} {} {} {}\n", kPlyCamera,
                        text(scene_.origin + Vec3d(c.from)), text(scene_.origin + Vec3d(c.at)),
-                       text(Vec3d(c.up)), c.fov_deg, c.horizontal_fov_deg, int(c.is_parallel()));
+                       text(Vec3d(c.up)), c.fov_deg, c.horizontal_fov_deg, int(c.projection));
   }
   void properties(std::string_view type, std::initializer_list<std::string_view> names) {
     for (const std::string_view name : names) out_ += fmt::format("property {} {}\n", type, name);
@@ -239,7 +239,8 @@ std::string not_in_ply(const Scene& scene) {
         !scene.material_opacity.empty())
       add("opacity");
   }
-  for (const Feature feature : {Feature::textures, Feature::object_names})
+  for (const Feature feature :
+       {Feature::textures, Feature::object_names, Feature::physical_lights, Feature::environment})
     if (const std::string lost_too = text_of(scene, {feature}); !lost_too.empty()) add(lost_too);
   if (scene.dialect != Dialect::data) add("camera, lights, and materials except colours");
   return lost;

@@ -51,7 +51,7 @@ Settings settings_of(const Scene& scene) {
   if (c.lens_radius) s.lens_radius = {*c.lens_radius};
   if (c.focus_distance) s.focus_distance = {*c.focus_distance};
   if (c.horizontal_fov_deg > 0) s.camera_across = {c.horizontal_fov_deg};
-  if (c.is_parallel()) s.camera_projection = {uint32_t(c.projection)};
+  if (c.projection != Projection()) s.camera_projection = {uint32_t(c.projection)};
   if (const auto& m = c.movement)
     s.camera_movement = {m->from.x, m->from.y, m->from.z, m->at.x,
                          m->at.y,   m->at.z,   m->begin,  m->end};
@@ -141,7 +141,7 @@ std::string apply(const Settings& s, Scene& scene) {
   }
   if (!s.camera_projection.empty()) {
     scene.camera.projection = Projection(s.camera_projection[0]);
-    if (!scene.camera.is_parallel()) return "camera_projection is not orthographic";
+    if (scene.camera.projection == Projection()) return "camera_projection is perspective";
   }
   if (!s.lens_radius.empty()) scene.camera.lens_radius = s.lens_radius[0];
   if (!s.focus_distance.empty()) scene.camera.focus_distance = s.focus_distance[0];

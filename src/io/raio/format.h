@@ -87,6 +87,9 @@ template <> struct Element<ObjectRange> : Numbers<Number::u32, 4> {};
 // A number and a matrix; the file declares them as 32-bit words of one type.
 template <> struct Element<Instance> : Numbers<Number::u32, 13> {};
 template <> struct Element<Texture> : Numbers<Number::u32, 5> {};
+// Floats and whole numbers, declared as 32-bit words as well.
+template <> struct Element<PhysicalLight> : Numbers<Number::u32, sizeof(PhysicalLight) / 4> {};
+template <> struct Element<Environment> : Numbers<Number::u32, sizeof(Environment) / 4> {};
 // clang-format on
 
 constexpr size_t aligned(size_t offset) {
