@@ -356,8 +356,9 @@ def test_pyvista_volumes_and_blocks(pv, silent):
     with pytest.warns(raio.SceneWarning, match="1 of 2 blocks"):
         assert len(raio.from_pyvista(blocks, scalars="v")) == 48 + len(smooth)
     ball.point_data["c"] = np.full((ball.n_points, 4), 100, np.uint8)
-    with pytest.warns(raio.SceneWarning, match="opacities of 'c'"):
-        raio.from_pyvista(ball, scalars="c")
+    alpha = raio.from_pyvista(ball, scalars="c", opacity=0.5).render(
+        background="transparent", **SMALL).numpy()[24, 32, 3]
+    assert alpha == pytest.approx(1 - (1 - 100 / 255 / 2) ** 2, abs=1e-3)  # two sides
     ball.point_data["c"] = np.full((ball.n_points, 3), 100)
     with pytest.raises(TypeError, match="colours of int64"):
         raio.from_pyvista(ball, scalars="c")
