@@ -52,10 +52,7 @@ def from_ase(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     >>> from ase.build import molecule                                       # doctest: +SKIP
     >>> raio.from_ase(molecule("C6H6"), style="sticks").render()             # doctest: +SKIP
     """
-    if not hasattr(atoms, "get_atomic_numbers"):
-        raise TypeError(f"atoms: expected an ase.Atoms, found {type(atoms).__name__}")
-    if len(atoms.info.get("occupancy") or {}) and "spacegroup_kinds" in atoms.arrays:
-        warn("partial occupancies: each site is drawn as its one element in atoms.numbers")
+    check_ase(atoms)
     values = {name: v for name, v in {**getattr(atoms.calc, "results", {}), **atoms.arrays}.items()
               if name not in ("numbers", "positions", "radius", "pos", "species")}
     cell = np.asarray(atoms.cell[:])
@@ -70,6 +67,16 @@ def from_ase(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     text = _xyz(atoms.get_chemical_symbols(), atoms.get_positions(), box, atoms.get_pbc(),
                 {} if by is None else values)
     return _read(text, "atoms.xyz", options)
+
+
+def check_ase(atoms: Any) -> None:
+    """Raises TypeError for other objects than atoms of ASE, and ValueError for no atoms and positions
+    that are not finite; warns of partial occupancies."""
+    if not hasattr(atoms, "get_atomic_numbers"):
+        raise TypeError(f"atoms: expected an ase.Atoms, found {type(atoms).__name__}")
+    _checked(atoms.positions)
+    if len(atoms.info.get("occupancy") or {}):
+        warn("partial occupancies: each site is drawn as its one element in atoms.numbers")
 
 
 def from_mdanalysis(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
@@ -541,6 +548,8 @@ def add_surface(scene: Scene, surface: Any, paint: Paint, smooth: bool | None,
             auto_orient_normals=False).point_data["Normals"])
     elif smooth is None and "Normals" in surface.point_data:
         normals = np.asarray(surface.point_data["Normals"])
+    if normals is not None:  # 0 where all faces have no area
+        normals = np.where(normals.any(axis=1, keepdims=True), normals, (0, 0, 1))
     out = paint.of_mesh(faces, cells)
     if len(faces) == len(points) and isinstance(out.get("colors"), np.ndarray) and (
             out["colors"] is not paint.colors):
