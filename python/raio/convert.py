@@ -75,7 +75,8 @@ def check_ase(atoms: Any) -> None:
     if not hasattr(atoms, "get_atomic_numbers"):
         raise TypeError(f"atoms: expected an ase.Atoms, found {type(atoms).__name__}")
     _checked(atoms.positions)
-    if len(atoms.info.get("occupancy") or {}):
+    sites = (atoms.info.get("occupancy") or {}).values()
+    if any(share < 1 for site in sites for share in site.values()):
         warn("partial occupancies: each site is drawn as its one element in atoms.numbers")
 
 

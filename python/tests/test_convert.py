@@ -78,6 +78,9 @@ def test_ase_warns_and_refuses(ase):
             raio.SceneWarning, match="labels that are not elements") as told:
         raio.from_ase(atoms)
     assert told[0].filename == __file__
+    shared = ase.Atoms("Cu", info={"occupancy": {"0": {"Cu": 0.75, "Au": 0.25}}})
+    with pytest.warns(raio.SceneWarning, match="partial occupancies"):
+        raio.from_ase(shared)
     with pytest.raises(ValueError, match="atom 0"):
         raio.from_ase(ase.Atoms("H", [[np.nan, 0, 0]]))
     with pytest.raises(ValueError, match="at least one"):
