@@ -99,10 +99,12 @@ def figure(atoms: Any, *, rotation: Any = "", show_unit_cell: int = 2, radii: An
         extra_offset: moves the picture, pixels.
         auto_bbox_size: the size of the frame, as a multiple of that of its content.
         repeat: a number of copies of the cell, or three.
-        canvas_width, canvas_height: the size in pixels, instead of scale; one of them.
-        celllinewidth, bondlinewidth: radii of the edges of the cell and of bonds, angstroms.
+        canvas_width: the width in pixels, instead of scale.
+        canvas_height: the height in pixels, instead of scale and canvas_width.
+        celllinewidth: the radius of the edges of the cell, angstroms.
         bondatoms: (a, b), (a, b, cell), (a, b, cell, order) or (a, b, cell, order, shift), as
             ase.io.pov.get_bondpairs() finds them.
+        bondlinewidth: the radius of bonds, angstroms.
         transmittances: of each atom, 0 (opaque) to 1.
         exportconstraints: crosses atoms with FixAtoms.
         transparent: a transparent background.

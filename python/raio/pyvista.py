@@ -6,36 +6,25 @@ VTK maps scalars to colours, and draws what has no counterpart in a scene: scala
 
 import math
 import os
-import subprocess
-import sys
-from collections.abc import Iterator
-from contextlib import ExitStack
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import pyvista
-from pyvista.plotting.background_renderer import BackgroundRenderer
-from vtkmodules.vtkCommonCore import reference
-from vtkmodules.vtkCommonMath import vtkMatrix4x4
-from vtkmodules.vtkRenderingCore import (
-    vtkCompositeDataDisplayAttributes,
-    vtkPolyDataMapper,
-    vtkProperty,
-    vtkWindowToImageFilter,
-)
+from vtkmodules.vtkRenderingCore import vtkProperty
 
 from ._color import linear
 from ._film import Path
 from ._material import Material
+from ._overlay import over, overlay_of
 from ._render_options import RenderOptions
 from ._scene import Scene
-from .convert import Paint, add_surface, blocks_of, light_of, surface_of, warn
+from ._vtk import RGBA, UV, attributes_of, leaves, map_scalars, visible_blocks
+from .convert import Paint, add_surface, light_of, surface_of, warn
 
 Array = npt.NDArray[Any]
 _POINTS, _EDGES = 0, 1  # vtkProperty.GetRepresentation()
 _FLAT, _PBR = 0, 3  # vtkProperty.GetInterpolation()
-_TEXTURE_SIDE = 16384  # the most texels of one side in Raio
 
 
 @pyvista.register_plotter_component("raio")
@@ -91,7 +80,7 @@ class Component:
             if name in options:
                 raise TypeError(f"{name} is not for a window; plotter.raio.scene().render() takes it")
         size: Any = options.pop("size", None) or self._plotter.window_size
-        if np.shape(size) != (2,) or np.asarray(size).dtype.kind != "i":
+        if np.shape(size) != (2,) or np.asarray(size).dtype.kind != "i" or min(size) < 1:
             raise ValueError(f"size: expected two whole numbers of pixels, found {size!r}")
         width, height = size
         left_out: list[str] = []
@@ -101,7 +90,7 @@ class Component:
             x0, y0, x1, y1 = np.rint(np.multiply(shown.renderer.GetViewport(), (*size, *size))).astype(int)
             canvas[height - y1:height - y0, x0:x1] = shown.picture((x1 - x0, y1 - y0), dict(options))
         if overlay:
-            canvas = _over(_overlay(self._plotter, all_shown, (width, height), left_out), canvas)
+            canvas = over(overlay_of(self._plotter, all_shown, (width, height), left_out), canvas)
         _report(left_out)
         alpha = canvas[..., 3:]
         canvas[..., :3] /= np.maximum(alpha, 1e-6)
@@ -152,10 +141,6 @@ class _View(NamedTuple):
         return np.asarray((np.asarray(normals) * sight).sum(axis=1) < 0)
 
 
-# Arrays that filters carry along with a surface.
-_RGBA, _UV = "raio: colours", "raio: texture"
-
-
 class _Look(NamedTuple):
     """How a mapper and a property show a surface that has the arrays above."""
 
@@ -166,10 +151,10 @@ class _Look(NamedTuple):
     def paint(self, surface: Any) -> Paint:
         opacity = self.prop.GetOpacity()
         of_faces = None if self.material is None else {
-            "uv": surface.point_data[_UV], "material": self.material, "opacity": opacity}
+            "uv": surface.point_data[UV], "material": self.material, "opacity": opacity}
         for data, by_cell in ((surface.point_data, False), (surface.cell_data, True)):
-            if _RGBA in data:
-                return Paint(light_of(np.asarray(data[_RGBA]), opacity), by_cell, {}, of_faces)
+            if RGBA in data:
+                return Paint(light_of(np.asarray(data[RGBA]), opacity), by_cell, {}, of_faces)
         return Paint(None, False, {"colors": _light(self.prop.GetColor()), "opacity": opacity}, of_faces)
 
 
@@ -200,7 +185,7 @@ class _Shown:
         ends = np.array([self.renderer.GetBackground2(), self.renderer.GetBackground()])
         share = (np.arange(size[1])[:, None, None] + 0.5) / size[1]
         rows = ends[0] * (1 - share) + ends[1] * share
-        return _over(out, np.concatenate((rows, np.ones_like(share)), axis=2))
+        return over(out, np.concatenate((rows, np.ones_like(share)), axis=2))
 
     def scene(self) -> Scene:
         is_transparent = self._plotter.theme.transparent_background
@@ -208,7 +193,7 @@ class _Shown:
         view = self._place_camera(scene)
         for prop in self.renderer.GetViewProps():
             if prop.GetVisibility():
-                for actor, matrix in _leaves(prop):
+                for actor, matrix in leaves(prop):
                     self._add(scene, actor, matrix, view)
         self._add_lights(scene)
         if self.renderer.GetPass() is not None:
@@ -262,8 +247,8 @@ class _Shown:
             return
         (self.hidden if mapper.IsA("vtkPointGaussianMapper") else self.mattes).append(actor)
         mapper.Update()
-        attributes = _attributes(mapper)
-        for block in _blocks(mapper):
+        attributes = attributes_of(mapper)
+        for block in visible_blocks(mapper):
             prop = vtkProperty()
             prop.DeepCopy(actor.GetProperty())
             if attributes is not None and attributes.HasBlockColor(block):
@@ -280,7 +265,7 @@ class _Shown:
 
     def _attach_colors(self, surface: Any, mapper: Any, actor: Any) -> Material | None:
         """Gives the surface arrays of its colours, and returns the material with its texture."""
-        material = _map_scalars(surface, mapper) if mapper.GetScalarVisibility() else None
+        material = map_scalars(surface, mapper) if mapper.GetScalarVisibility() else None
         texture = actor.GetTexture() or actor.GetProperty().GetTexture("albedoTex")
         coordinates = surface.active_texture_coordinates
         if texture is None or coordinates is None:
@@ -293,7 +278,7 @@ class _Shown:
             return material
         if texels.shape[2] in (2, 4):
             self.left_out.append("opacity of textures")
-        surface.point_data[_UV] = coordinates if texture.GetRepeat() else coordinates.clip(0, 1)
+        surface.point_data[UV] = coordinates if texture.GetRepeat() else coordinates.clip(0, 1)
         return Material(texture=texels[..., :3] if texels.shape[2] > 2 else texels[..., [0, 0, 0]])
 
     def _add_sides(self, scene: Scene, surface: Any, look: _Look, back: Any, view: _View) -> None:
@@ -326,6 +311,8 @@ class _Shown:
         if style == _POINTS:
             points = pyvista.PolyData(surface.points)
             points.point_data.update(surface.point_data)
+            if RGBA in surface.cell_data:
+                self.left_out.append("colours of cells on points")
             surface = points
         elif style == _EDGES:
             surface = surface.extract_all_edges()
@@ -341,149 +328,5 @@ class _Shown:
                     radii, pixel * prop.GetLineWidth() / 2)
 
 
-def _leaves(prop: Any) -> Iterator[tuple[Any, vtkMatrix4x4]]:
-    """The actors of an actor or an assembly, with their matrices."""
-    prop.InitPathTraversal()
-    while (path := prop.GetNextPath()) is not None:
-        node, matrix = path.GetLastNode(), vtkMatrix4x4()
-        if node.GetMatrix() is not None:
-            matrix.DeepCopy(node.GetMatrix())
-        yield node.GetViewProp(), matrix
-
-
-def _attributes(mapper: Any) -> Any:
-    """The looks of blocks, where a mapper has such."""
-    get = getattr(mapper, "GetCompositeDataDisplayAttributes", None)
-    return None if get is None else get()
-
-
-def _blocks(mapper: Any) -> Iterator[Any]:
-    """The visible datasets of a mapper."""
-    attributes, data = _attributes(mapper), mapper.GetInputDataObject(0, 0)
-    for block in () if data is None else blocks_of(pyvista.wrap(data)):
-        if attributes is None or not attributes.HasBlockVisibility(block) or (
-                attributes.GetBlockVisibility(block)):
-            yield block
-
-
-def _map_scalars(surface: Any, mapper: Any) -> Material | None:
-    """Attaches the colours that VTK maps scalars to; returns the colour map as a texture if VTK maps
-    what it has interpolated between points."""
-    own, by_cell = vtkPolyDataMapper(), reference(0)
-    own.ShallowCopy(mapper)
-    own.InterpolateScalarsBeforeMappingOff()
-    colors = own.MapScalars(surface, 1, by_cell)
-    if colors is None:
-        return None
-    rgba = np.array(pyvista.convert_array(colors))
-    (surface.cell_data if by_cell == 1 else surface.point_data)[_RGBA] = rgba
-    own.SetInterpolateScalarsBeforeMapping(mapper.GetInterpolateScalarsBeforeMapping())
-    if (rgba[:, 3] < 255).any() or own.MapScalars(surface, 1, by_cell) is not None:
-        return None
-    uv = np.array(pyvista.convert_array(own.GetColorCoordinates()))
-    image = pyvista.wrap(own.GetColorTextureMap())
-    texels = image.active_scalars.reshape(2, image.dimensions[0], -1)[..., :3]
-    # VTK takes the nearest texel, and the last ones for all values beyond; Raio interpolates and
-    # repeats. So there are many texels, and as many spans of the map on both sides as values need.
-    most = _TEXTURE_SIDE // texels.shape[1]
-    if most == 0:
-        return None
-    beyond = min(math.ceil(max(-uv[:, 0].min(), uv[:, 0].max() - 1, 0)), (most - 1) // 2)
-    spans = 2 * beyond + 1
-    numbers, nan = np.repeat(texels, most // spans, axis=1)
-    is_nan = uv[:, 1] > 0.5
-    rows = [nan] * 10 + [numbers] * 10 if is_nan.any() else [numbers]
-    surface.point_data[_UV] = np.stack((
-        (uv[:, 0].clip(-beyond, beyond + 1) + beyond) / spans, np.where(is_nan, 0.97, 0.45)), axis=1)
-    return Material(texture=np.pad(rows, ((0, 0), (beyond * len(numbers),) * 2, (0, 0)), mode="edge"))
-
-
 def _light(color: Any) -> tuple[float, ...]:
     return tuple(linear(color).tolist())
-
-
-def _over(front: Array, back: Array) -> Array:
-    """A picture over another one, both premultiplied."""
-    out: Array = front + (1 - front[..., 3:]) * back
-    return out
-
-
-def _overlay(plotter: Any, all_shown: list[_Shown], size: tuple[int, int], left_out: list[str]) -> Array:
-    """What VTK draws in front of Raio's objects: display values and opacity, premultiplied.
-
-    It is drawn twice: on black, with Raio's objects in black, and on white, with them in white. The
-    difference is what shows through.
-    """
-    window = plotter.render_window
-    renderers = [r for r in window.GetRenderers() if r.GetDraw() and r not in plotter.renderers]
-    backgrounds = [r for r in renderers if isinstance(r, BackgroundRenderer)]
-    if backgrounds:
-        left_out.append("background images")
-    is_empty = len(renderers) == len(backgrounds) and not any(shown.others for shown in all_shown)
-    if not is_empty and not _has_opengl(window):
-        left_out.append("scalar bars, axes and text, which need OpenGL")
-        is_empty = True
-    if is_empty:
-        return np.zeros((size[1], size[0], 4), np.float32)
-    with ExitStack() as undo:
-        if not window.GetNeverRendered():  # shows what it did
-            undo.callback(window.Render)
-
-        def put(target: Any, name: str, *values: Any) -> None:
-            before = getattr(target, "Get" + name)()
-            undo.callback(getattr(target, "Set" + name), *(before if type(before) is tuple else (before,)))
-            getattr(target, "Set" + name)(*values)
-
-        put(window, "ShowWindow", False)
-        put(window, "UseOffScreenBuffers", True)
-        put(window, "DPI", round(window.GetDPI() * size[1] / plotter.window_size[1]))
-        put(window, "Size", *size)
-        for renderer in backgrounds:
-            put(renderer, "Draw", False)
-        actors = [actor for shown in all_shown for actor in shown.mattes]
-        for shown in all_shown:
-            put(shown.renderer, "Background", 0, 0, 0)
-            put(shown.renderer, "GradientBackground", False)
-            put(shown.renderer, "Pass", None)
-            for actor in shown.hidden:
-                put(actor, "Visibility", False)
-        for actor in actors:
-            mapper, matte = actor.GetMapper(), vtkProperty()
-            matte.DeepCopy(actor.GetProperty())
-            matte.RemoveAllTextures()
-            matte.LightingOff()
-            put(actor, "Property", matte)
-            put(actor, "BackfaceProperty", None)
-            put(actor, "Texture", None)
-            put(mapper, "ScalarVisibility", False)
-            if _attributes(mapper) is not None:
-                visible, own = list(_blocks(mapper)), vtkCompositeDataDisplayAttributes()
-                for block in blocks_of(pyvista.wrap(mapper.GetInputDataObject(0, 0))):
-                    own.SetBlockVisibility(block, block in visible)
-                put(mapper, "CompositeDataDisplayAttributes", own)
-
-        def drawn_on(level: float) -> Array:
-            for shown in all_shown:
-                shown.renderer.SetBackground(level, level, level)
-            for actor in actors:
-                actor.GetProperty().SetColor(level, level, level)
-                actor.GetProperty().SetEdgeColor(level, level, level)
-            window.Render()
-            grabbed = vtkWindowToImageFilter()
-            grabbed.SetInput(window)
-            grabbed.ReadFrontBufferOff()
-            grabbed.Update()
-            pixels = pyvista.wrap(grabbed.GetOutput()).active_scalars
-            return np.asarray(pixels.reshape(size[1], size[0], 3)[::-1], np.float32) / 255
-
-        black, white = drawn_on(0), drawn_on(1)
-    alpha = 1 - (white - black).mean(axis=2, keepdims=True)
-    return np.concatenate((black, alpha), axis=2).clip(0, 1)
-
-
-def _has_opengl(window: Any) -> bool:
-    # VTK's last resort is OSMesa, whether it is there or not; without it, drawing ends the program.
-    if window.GetClassName() != "vtkOSOpenGLRenderWindow":
-        return bool(window.SupportsOpenGL())
-    code = "from vtkmodules.vtkRenderingOpenGL2 import vtkOSOpenGLRenderWindow as W; W().Render()"
-    return subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0

@@ -9,9 +9,10 @@ from conftest import ROOT
 
 pv = pytest.importorskip("pyvista")
 import raio.pyvista  # noqa: E402
+from raio._overlay import has_opengl  # noqa: E402
 
 SIZE = (80, 60)
-opengl = pytest.mark.skipif(not raio.pyvista._has_opengl(pv.Plotter(off_screen=True).render_window),
+opengl = pytest.mark.skipif(not has_opengl(pv.Plotter(off_screen=True).render_window),
                             reason="VTK draws overlays with OpenGL")
 
 
