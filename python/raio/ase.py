@@ -114,23 +114,23 @@ def figure(atoms: Any, *, rotation: Any = "", show_unit_cell: int = 2, radii: An
     Raises:
         TypeError, ValueError: an argument does not fit, or is one of other writers.
     """
-    import numpy as np
     from ase.io.utils import PlottingVariables
 
-    from ._options import split
+    from ._options import pixel_size, split
     from ._scene import Scene
     from .convert import check_ase, from_ase
 
     check_ase(atoms)
-    if repeat is not None:
-        atoms = atoms.repeat(repeat)
+    if show_unit_cell not in (0, 1, 2, 3):
+        raise ValueError(f"show_unit_cell: expected 0, 1, 2 or 3, found {show_unit_cell!r}")
     if canvas_width is not None and canvas_height is not None:
         raise ValueError("canvas_width and canvas_height: give one of them, the other one follows")
+    if repeat is not None:
+        atoms = atoms.repeat(repeat)
     read, wanted = split(options)
     sizes = _radii(atoms, radii, by_van_der_waals=bool(read))
-    view = PlottingVariables(atoms, rotation, show_unit_cell, sizes, bbox, None, scale, maxwidth,
-                             extra_offset, auto_bbox_size)
-    turn = np.asarray(view.rotation)  # its columns point right, up and to the viewer
+    frame = PlottingVariables(atoms, _turn(rotation), show_unit_cell, sizes, bbox, None, scale, maxwidth,
+                              extra_offset, auto_bbox_size)
     if read:
         for name, value in (("radii", radii), ("colors", colors), ("transmittances", transmittances),
                             ("bondatoms", bondatoms or None)):
@@ -143,25 +143,46 @@ def figure(atoms: Any, *, rotation: Any = "", show_unit_cell: int = 2, radii: An
         opacity = None if transmittances is None else 1 - _each("transmittances", transmittances, atoms)
         scene.spheres(atoms.positions, sizes, colors=light, opacity=opacity)
         for bond in bondatoms:
-            _add_bond(scene, atoms, bond, bondlinewidth, turn, light, opacity)
+            _add_bond(scene, atoms, bond, bondlinewidth, frame.rotation, light, opacity)
     if show_unit_cell and atoms.cell.rank:
         _add_cell(scene, atoms, celllinewidth)
     if exportconstraints:
-        _add_crosses(scene, atoms, sizes, celllinewidth, turn)
+        _add_crosses(scene, atoms, sizes, celllinewidth, frame.rotation)
     if transparent:
         wanted["background"] = "transparent"
-    width, height = view.w / view.scale, view.h / view.scale  # angstroms
-    pixels = canvas_width / width if canvas_width else canvas_height / height if canvas_height else view.scale
-    wanted.setdefault("size", (max(int(width * pixels), 1), max(int(height * pixels), 1)))
-    half = float(max(height, width * wanted["size"][1] / wanted["size"][0])) / 2
-    depths = atoms.positions @ turn[:, 2]
-    middle = (depths.max() + depths.min()) / 2
-    distance = float(np.ptp(depths) + 10 * (half + sizes.max()))
-    at = view.to_atom_positions([view.w / 2, view.h / 2, 0])
-    at += turn[:, 2] * (middle - at @ turn[:, 2])
-    scene.camera(at + turn[:, 2] * distance, at, turn[:, 1], math.degrees(2 * math.atan(half / distance)),
-                 projection="orthographic")
+    # Pixels of a unit of ASE's image plane.
+    zoom = canvas_width / frame.w if canvas_width else canvas_height / frame.h if canvas_height else 1
+    wanted.setdefault("size", (max(int(frame.w * zoom), 1), max(int(frame.h * zoom), 1)))
+    _place_camera(scene, frame, atoms, sizes, *pixel_size(wanted["size"]))
     return scene, wanted
+
+
+def _turn(rotation: Any) -> Any:
+    """A matrix whose columns point right, up and to the viewer."""
+    import numpy as np
+    from ase.utils import rotate
+
+    try:
+        turn = rotate(rotation) if isinstance(rotation, str) else np.asarray(rotation, float)
+    except (ValueError, IndexError):
+        turn = np.empty(0)
+    if turn.shape != (3, 3):
+        raise ValueError(f"rotation: expected angles as in '10z,-80x', or a matrix (3, 3), found {rotation!r}")
+    return turn
+
+
+def _place_camera(scene: "Scene", frame: Any, atoms: Any, radii: Any, width: int, height: int) -> None:
+    """Shows the frame in a picture of width x height pixels, with space on two sides if need be."""
+    import numpy as np
+
+    half = float(max(frame.h, frame.w * height / width)) / frame.scale / 2
+    outward = frame.rotation[:, 2]
+    depths = atoms.positions @ outward
+    distance = float(np.ptp(depths) + 10 * (half + radii.max()))
+    at = frame.to_atom_positions([frame.w / 2, frame.h / 2, 0])
+    at += outward * ((depths.max() + depths.min()) / 2 - at @ outward)
+    scene.camera(at + outward * distance, at, frame.rotation[:, 1],
+                 math.degrees(2 * math.atan(half / distance)), projection="orthographic")
 
 
 def _each(name: str, value: Any, atoms: Any) -> Any:

@@ -16,6 +16,7 @@ from vtkmodules.vtkRenderingCore import vtkProperty
 from ._color import linear
 from ._film import Path
 from ._material import Material
+from ._options import pixel_size
 from ._overlay import over, overlay_of
 from ._render_options import RenderOptions
 from ._scene import Scene
@@ -79,15 +80,13 @@ class Component:
         for name in ("width", "crop", "shard", "sample_range"):
             if name in options:
                 raise TypeError(f"{name} is not for a window; plotter.raio.scene().render() takes it")
-        size: Any = options.pop("size", None) or self._plotter.window_size
-        if np.shape(size) != (2,) or np.asarray(size).dtype.kind != "i" or min(size) < 1:
-            raise ValueError(f"size: expected two whole numbers of pixels, found {size!r}")
-        width, height = size
+        size = options.pop("size", None) or self._plotter.window_size
+        width, height = pixel_size(size)
         left_out: list[str] = []
         canvas = np.zeros((height, width, 4), np.float32)
         all_shown = [_Shown(self._plotter, r, left_out) for r in self._plotter.renderers]
         for shown in all_shown:
-            x0, y0, x1, y1 = np.rint(np.multiply(shown.renderer.GetViewport(), (*size, *size))).astype(int)
+            x0, y0, x1, y1 = np.rint(np.multiply(shown.renderer.GetViewport(), (width, height) * 2)).astype(int)
             canvas[height - y1:height - y0, x0:x1] = shown.picture((x1 - x0, y1 - y0), dict(options))
         if overlay:
             canvas = over(overlay_of(self._plotter, all_shown, (width, height), left_out), canvas)

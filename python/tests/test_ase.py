@@ -148,6 +148,10 @@ def test_refusals(plugin, tmp_path):
         write(path, atoms, format="raio", povray_settings={"pause": False})
     with pytest.raises(TypeError, match="unknown option 'rotations'"):
         write(path, atoms, format="raio", rotations="x")
+    for name, value, expected in (("rotation", "10q", "10z,-80x"), ("rotation", [1, 2], "matrix"),
+                                  ("show_unit_cell", 4, "0, 1, 2 or 3"), ("size", "8x6", "two whole")):
+        with pytest.raises(ValueError, match=f"{name}: expected .*{expected}"):
+            figure(atoms, **{name: value})
     with pytest.raises(ValueError, match="radii: expected one for each of 3 atoms"):
         figure(atoms, radii=[1, 2])
     with pytest.raises(ValueError, match="colors: expected one for each of 3"):
