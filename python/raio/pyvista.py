@@ -141,7 +141,7 @@ class _View(NamedTuple):
 
 
 class _Look(NamedTuple):
-    """How a mapper and a property show a surface that has the arrays above."""
+    """How a mapper and a property show a surface that has the arrays RGBA or UV."""
 
     mapper: Any
     prop: Any
@@ -174,10 +174,12 @@ class _Shown:
 
     def picture(self, size: tuple[int, int], options: dict[str, Any]) -> Array:
         """Display values and opacity, (height, width, 4) float32, premultiplied."""
-        is_gradient = self.renderer.GetGradientBackground() and "background" not in options
+        scene = self.scene()
+        is_gradient = self.renderer.GetGradientBackground() and (
+            scene.background != "transparent" and "background" not in options)
         if is_gradient:
             options = {**options, "background": "transparent"}
-        out: Array = self.scene().render(size=size, **options).display().astype(np.float32) / 255
+        out: Array = scene.render(size=size, **options).display().astype(np.float32) / 255
         out[..., :3] *= out[..., 3:]
         if not is_gradient:
             return out

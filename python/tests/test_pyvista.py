@@ -60,6 +60,7 @@ def test_camera(plotter, rng, seed, is_parallel):
     assert np.abs(places - np.c_[columns.ravel(), (SIZE[1] - rows).ravel()]).max() < 0.01
 
 
+@opengl
 def test_camera_is_that_of_show(plotter):
     """Rendering before show() neither needs nor changes the camera that PyVista would choose."""
     pl, other = plotter(), plotter()
@@ -326,6 +327,15 @@ def test_reports(plotter):
         pl.raio.render(samples=1, size=(8, 6))
     assert [str(w.message) for w in told] == ["left out: volumes, surfaces without shading, which are lit"]
     assert told[0].filename == __file__
+
+
+def test_without_opengl(plotter, monkeypatch):
+    monkeypatch.setattr("raio._overlay.has_opengl", lambda window: False)
+    pl = plotter()
+    pl.add_text("MMMM")
+    with pytest.warns(raio.SceneWarning, match="^left out: scalar bars, axes and text, which need OpenGL$"):
+        image = pl.raio.render(samples=1)
+    assert (np.asarray(image) == 255).all()
 
 
 def test_refusals(plotter, tmp_path):
