@@ -113,13 +113,17 @@ def figure(atoms: Any, *, rotation: Any = "", show_unit_cell: int = 2, radii: An
 
     Raises:
         TypeError, ValueError: an argument does not fit, or is one of other writers.
+        RuntimeError: ASE is older than 3.25.
     """
+    import ase
     from ase.io.utils import PlottingVariables
 
     from ._options import pixel_size, split
     from ._scene import Scene
     from .convert import check_ase, from_ase
 
+    if not hasattr(PlottingVariables, "to_atom_positions"):
+        raise RuntimeError(f"Raio's frames need ASE 3.25 or newer; found {ase.__version__}")
     check_ase(atoms)
     if show_unit_cell not in (0, 1, 2, 3):
         raise ValueError(f"show_unit_cell: expected 0, 1, 2 or 3, found {show_unit_cell!r}")

@@ -23,6 +23,9 @@ from ._scene import Scene
 from ._vtk import RGBA, UV, attributes_of, leaves, map_scalars, visible_blocks
 from .convert import Paint, add_surface, light_of, surface_of, warn
 
+if not hasattr(pyvista, "register_plotter_component"):
+    raise ImportError(f"plotter.raio needs PyVista 0.48 or newer; found {pyvista.__version__}")
+
 Array = npt.NDArray[Any]
 _POINTS, _EDGES = 0, 1  # vtkProperty.GetRepresentation()
 _FLAT, _PBR = 0, 3  # vtkProperty.GetInterpolation()
