@@ -157,7 +157,7 @@ def figure(atoms: Any, *, rotation: Any = "", show_unit_cell: int = 2, radii: An
     # Pixels of a unit of ASE's image plane.
     zoom = canvas_width / frame.w if canvas_width else canvas_height / frame.h if canvas_height else 1
     wanted.setdefault("size", (max(int(frame.w * zoom), 1), max(int(frame.h * zoom), 1)))
-    _place_camera(scene, frame, atoms, sizes, *pixel_size(wanted["size"]))
+    _place_camera(scene, frame, *pixel_size(wanted["size"]))
     return scene, wanted
 
 
@@ -175,17 +175,12 @@ def _turn(rotation: Any) -> Any:
     return turn
 
 
-def _place_camera(scene: "Scene", frame: Any, atoms: Any, radii: Any, width: int, height: int) -> None:
+def _place_camera(scene: "Scene", frame: Any, width: int, height: int) -> None:
     """Shows the frame in a picture of width x height pixels, with space on two sides if need be."""
-    import numpy as np
-
     half = float(max(frame.h, frame.w * height / width)) / frame.scale / 2
-    outward = frame.rotation[:, 2]
-    depths = atoms.positions @ outward
-    distance = float(np.ptp(depths) + 10 * (half + radii.max()))
-    at = frame.to_atom_positions([frame.w / 2, frame.h / 2, 0])
-    at += outward * ((depths.max() + depths.min()) / 2 - at @ outward)
-    scene.camera(at + outward * distance, at, frame.rotation[:, 1],
+    # All objects are behind the plane of the frame.
+    at, distance = frame.to_atom_positions([frame.w / 2, frame.h / 2, 0]), 4 * half
+    scene.camera(at + frame.rotation[:, 2] * distance, at, frame.rotation[:, 1],
                  math.degrees(2 * math.atan(half / distance)), projection="orthographic")
 
 

@@ -47,26 +47,26 @@ def test_write(plugin, tmp_path):
 @pytest.mark.parametrize("settings", [
     {"rotation": "10z,-80x"}, {"rotation": "30x,40y,5z", "show_unit_cell": 3}, {"bbox": (-1, -2, 5, 3)},
     {"extra_offset": (20, 10), "auto_bbox_size": 1.4}, {"maxwidth": 100}, {"repeat": (2, 1, 1)}])
-def test_frame(settings):
+def test_frame(settings, rng):
     """The middle of each atom is where ASE has it."""
     from ase.io.utils import PlottingVariables
-    atoms = bulk("NaCl", "rocksalt", a=5.64, cubic=True)
-    scene, options = figure(atoms, **settings, radii=0.05)
-    width, height = options["size"]
-    seen = scene.render(size=(4 * width, 4 * height), aa=1, channels=["id"])["id"]
+    atoms = ase.Atoms("H9", rng.uniform(0, 5, (9, 3)), cell=[5, 4, 3])
+    scene, options = figure(atoms, **settings, radii=0.6, celllinewidth=1e-3)
+    width, height = (4 * side for side in options["size"])
+    seen = scene.render(size=(width, height), aa=1, channels=["id"])["id"]
     own = dict(settings)
     atoms = atoms.repeat(own.pop("repeat", 1))
-    where = PlottingVariables(atoms, radii=np.full(len(atoms), 0.05 * 1.0), **own)
-    assert (int(where.w), int(where.h)) == pytest.approx(options["size"], abs=2)
-    factor = 4 * min(width / where.w, height / where.h)
-    hit = 0
-    for x, y, _ in where.positions[:len(atoms)]:
-        column = round(2 * width + (x - where.w / 2) * factor)
-        row = round(2 * height - (y - where.h / 2) * factor)
-        if 1 <= column < 4 * width - 1 and 1 <= row < 4 * height - 1:
-            assert seen[row - 1:row + 2, column - 1:column + 2].any()
-            hit += 1
-    assert hit >= 2
+    where = PlottingVariables(atoms, radii=0.6, **own)
+    assert (int(where.w), int(where.h)) == options["size"]
+    zoom = min(width / where.w, height / where.h)
+    whole = 0
+    for atom, (x, y, _) in enumerate(where.positions[:len(atoms)]):
+        rows, columns = np.nonzero(seen == atom + 1)
+        if len(rows) > 0.97 * np.pi * (zoom * where.d[atom] / 2) ** 2:  # not hidden nor cut off
+            assert np.mean(columns) + 0.5 - width / 2 == pytest.approx((x - where.w / 2) * zoom, abs=0.2)
+            assert height / 2 - np.mean(rows) - 0.5 == pytest.approx((y - where.h / 2) * zoom, abs=0.2)
+            whole += 1
+    assert whole >= 2
 
 
 def sphere(scene, atom):

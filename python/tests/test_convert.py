@@ -338,6 +338,7 @@ def test_pyvista_lines_and_points(pv, silent):
     line = pv.lines_from_points(np.array([[0., 0, 0], [1, 0, 0], [2, 0, 0]]))
     line.point_data["v"] = [0.0, 1, 2]
     scene = raio.from_pyvista(line, scalars="v", radius=0.1)
+    assert len(scene) == 2 + 3  # segments and joints
     assert hit(scene, [0.5, 0, 3], [0, 0, -1]) == pytest.approx(2.9, abs=1e-5)
     cloud = pv.PolyData(np.array([[0., 0, 0], [1, 0, 0]]))
     cloud.cell_data["w"] = [0.0, 1]

@@ -261,6 +261,10 @@ def test_lights(plotter):
     pl.add_light(light)
     seen = pl.raio.scene().render(size=(4, 3), aa=1).numpy()[1, 1]
     assert seen[:3] == pytest.approx([0.5, 0, 0], abs=1e-5)
+    pl.add_light(pv.Light(light_type="headlight", color=(0, 1.0, 0)))
+    pl.view_xy(negative=True)
+    seen = pl.raio.scene().render(size=(4, 3), aa=1).numpy()[1, 1]
+    assert seen[:3] == pytest.approx([0, 1, 0], abs=1e-5)  # which only the other light shines on
     light.positional, light.cone_angle = True, 30
     with pytest.warns(raio.SceneWarning, match="^left out: cones of lights$"):
         pl.raio.scene()
@@ -310,9 +314,14 @@ def test_overlay(plotter):
     assert (pl.screenshot() == before).all()
     assert (image[:, :, 2] - image[:, :, 0] > 150).any()  # the text
     assert (image[:, :, 1] - image[:, :, 0] > 150).any()  # the axis in front
+    plain = np.asarray(pl.raio.render(samples=1, overlay=False)).astype(int)
+    assert np.abs(image - plain)[40:].max() <= 1  # below them
     front.SetVisibility(False)
     hidden = np.asarray(pl.raio.render(samples=1)).astype(int)
     assert not (hidden[:, :, 1] - hidden[:, :, 0] > 150).any()
+    back.SetVisibility(False)
+    only_text = np.asarray(pl.raio.render(samples=1)).astype(int)
+    assert np.abs(only_text - plain)[40:].max() <= 1
     large = np.asarray(pl.raio.render(samples=1, size=(240, 180))).astype(int)
     assert large.shape == (180, 240, 3)
     texts = [(i[:, :, 2] - i[:, :, 0] > 150).mean() for i in (image, large)]
