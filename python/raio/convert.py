@@ -397,9 +397,9 @@ def from_pyvista(dataset: Any, *, scalars: str | None = None, cmap: Any = "virid
     surface is drawn; of a MultiBlock, all blocks. scalars: the name of point or cell data (those of
     points if both have it): numbers, which `cmap` shows from `vmin` to `vmax`, or (N, 3) or (N, 4)
     colours, uint8 as displayed or floats as displayed; a fourth column is opacity, of which each
-    triangle has the mean. color: for what has no scalars. smooth: True
-    computes normals of vertices, False draws flat faces, None uses point data "Normals" if there are
-    any. radius: of lines and points (default: 0.004 of the diagonal).
+    triangle has the mean. color: for what has no scalars. smooth: True computes normals of vertices,
+    False draws flat faces, None uses point data "Normals" if there are any. radius: of lines and
+    points (default: 0.004 of the diagonal).
 
     Textures are left out. Raises ValueError if no block has the scalars.
     """
