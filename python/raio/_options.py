@@ -64,3 +64,10 @@ def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     known = table()
     read = {k: v for k, v in options.items() if k in known and known[k]["of_reader"]}
     return read, {k: v for k, v in options.items() if k not in read}
+
+
+def pixel_size(size: Any) -> tuple[int, int]:
+    """The option `size` where a printed size, such as "88x66mm", does not fit."""
+    if np.shape(size) != (2,) or np.asarray(size).dtype.kind not in "iu" or min(size) < 1:
+        raise ValueError(f"size: expected two whole numbers of pixels, found {size!r}")
+    return int(size[0]), int(size[1])

@@ -9,7 +9,7 @@ import re
 import sys
 import warnings
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 Array = npt.NDArray[Any]
 
 
-def _warn(text: str) -> None:
-    # Names the line of the user.
+def warn(text: str) -> None:
+    """A SceneWarning that names the line of the user."""
     level, frame = 2, sys._getframe(1)
-    while frame.f_back and frame.f_globals["__name__"] == __name__:
+    while frame.f_back and frame.f_globals["__name__"].partition(".")[0] == __package__:
         level, frame = level + 1, frame.f_back
     warnings.warn(text, SceneWarning, stacklevel=level)
 
@@ -52,10 +52,7 @@ def from_ase(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     >>> from ase.build import molecule                                       # doctest: +SKIP
     >>> raio.from_ase(molecule("C6H6"), style="sticks").render()             # doctest: +SKIP
     """
-    if not hasattr(atoms, "get_atomic_numbers"):
-        raise TypeError(f"atoms: expected an ase.Atoms, found {type(atoms).__name__}")
-    if len(atoms.info.get("occupancy") or {}) and "spacegroup_kinds" in atoms.arrays:
-        _warn("partial occupancies: each site is drawn as its one element in atoms.numbers")
+    check_ase(atoms)
     values = {name: v for name, v in {**getattr(atoms.calc, "results", {}), **atoms.arrays}.items()
               if name not in ("numbers", "positions", "radius", "pos", "species")}
     cell = np.asarray(atoms.cell[:])
@@ -63,13 +60,24 @@ def from_ase(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
     if cell.any(axis=1).all():
         box = cell
     elif cell.any():
-        _warn("the cell has fewer than three sides and is not drawn")
+        warn("the cell has fewer than three sides and is not drawn")
     by = options.get("color_by")
     if by is not None:
         options["color_by"] = _plain(str(by))
     text = _xyz(atoms.get_chemical_symbols(), atoms.get_positions(), box, atoms.get_pbc(),
                 {} if by is None else values)
     return _read(text, "atoms.xyz", options)
+
+
+def check_ase(atoms: Any) -> None:
+    """Raises TypeError for other objects than atoms of ASE, and ValueError for no atoms and positions
+    that are not finite; warns of partial occupancies."""
+    if not hasattr(atoms, "get_atomic_numbers"):
+        raise TypeError(f"atoms: expected an ase.Atoms, found {type(atoms).__name__}")
+    _checked(atoms.positions)
+    sites = (atoms.info.get("occupancy") or {}).values()
+    if any(share < 1 for site in sites for share in site.values()):
+        warn("partial occupancies: each site is drawn as its one element in atoms.numbers")
 
 
 def from_mdanalysis(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
@@ -123,7 +131,7 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
         raise TypeError(f"atoms: expected a Biotite AtomArray, found {type(atoms).__name__}")
     if np.ndim(atoms.coord) == 3:
         if len(atoms) > 1:
-            _warn(f"{len(atoms)} models; the first is drawn, choose others by atoms[n]")
+            warn(f"{len(atoms)} models; the first is drawn, choose others by atoms[n]")
         atoms = atoms[0]
     kept = set(atoms.get_annotation_categories())
 
@@ -144,7 +152,7 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
         angles = np.degrees(np.arccos(np.clip([b @ c, c @ a, a @ b], -1, 1)))
         box = np.concatenate((lengths, angles))
         if not np.allclose(np.triu(atoms.box, 1), 0, atol=1e-4 * lengths.max()):
-            _warn("the box is turned; only boxes whose first side is along x, and whose second is in "
+            warn("the box is turned; only boxes whose first side is along x, and whose second is in "
                   "the plane of x and y, are kept")
             box = None
     text = _mmcif(
@@ -235,7 +243,7 @@ def _mmcif(columns: dict[str, Any], positions: Array, residues: Array | None, bo
         _, firsts = np.unique(residues, return_index=True)
         keys = [given[n][firsts].tolist() for n in ("chain", "number", "insertion") if n in given]
         if len(set(zip(*keys, strict=True))) < len(firsts):
-            _warn("several residues have the same number; they are numbered from 1")
+            warn("several residues have the same number; they are numbered from 1")
             given["number"] = residues - residues.min() + 1
             given.pop("insertion", None)
     given.setdefault("chain", np.full(count, "A"))
@@ -299,7 +307,7 @@ def _trimesh_scene(source: Any, smooth: bool | None, radius: float | None) -> Sc
         scene.camera(pose[:3, 3], pose[:3, 3] - pose[:3, 2], pose[:3, 1],
                      float(source.camera.fov[1]))
     if getattr(source, "_lights", None):
-        _warn("lights are left out; add them by light()")
+        warn("lights are left out; add them by light()")
     return scene
 
 
@@ -349,7 +357,7 @@ def _rgba(colors: Array, by_face: bool) -> dict[str, Any]:
         else:
             look["opacity"] = float(opacity.mean())
             if np.ptp(opacity) > 0:
-                _warn(f"opacities of vertices are not supported; their mean is used, "
+                warn(f"opacities of vertices are not supported; their mean is used, "
                       f"{look['opacity']:.3g}")
     return look
 
@@ -369,13 +377,13 @@ def _texture(visual: Any) -> dict[str, Any]:
         look["colors"] = tuple(linear(np.asarray(material.diffuse, np.uint8)[:3]).tolist())
     for name in ("normalTexture", "metallicRoughnessTexture", "emissiveTexture", "occlusionTexture"):
         if getattr(material, name, None) is not None:
-            _warn(f"{name} is left out")
+            warn(f"{name} is left out")
     if image is not None and visual.uv is not None:
         if "A" in image.getbands() and np.asarray(image.getchannel("A")).min() < 255:
-            _warn("the texture's opacity is left out")
+            warn("the texture's opacity is left out")
         look.update(uv=visual.uv, material=Material(texture=np.asarray(image.convert("RGB"))))
     elif image is not None:
-        _warn("the texture is left out, since the mesh has no texture coordinates")
+        warn("the texture is left out, since the mesh has no texture coordinates")
     return look
 
 
@@ -388,46 +396,56 @@ def from_pyvista(dataset: Any, *, scalars: str | None = None, cmap: Any = "virid
     Of PolyData, polygons become triangles, lines cylinders and vertices spheres; of other datasets the
     surface is drawn; of a MultiBlock, all blocks. scalars: the name of point or cell data (those of
     points if both have it): numbers, which `cmap` shows from `vmin` to `vmax`, or (N, 3) or (N, 4)
-    colours, uint8 as displayed or floats as displayed. color: for what has no scalars. smooth: True
-    computes normals of vertices, False draws flat faces, None uses point data "Normals" if there are
-    any. radius: of lines and points (default: 0.004 of the diagonal).
+    colours, uint8 as displayed or floats as displayed; a fourth column is opacity, of which each
+    triangle has the mean. color: for what has no scalars. smooth: True computes normals of vertices,
+    False draws flat faces, None uses point data "Normals" if there are any. radius: of lines and
+    points (default: 0.004 of the diagonal).
 
     Textures are left out. Raises ValueError if no block has the scalars.
     """
     if not hasattr(dataset, "bounds"):
         raise TypeError(f"dataset: expected one of PyVista, found {type(dataset).__name__}")
-    blocks = list(_blocks(dataset))
-    surfaces = [b if hasattr(b, "n_strips") else b.extract_surface(
-        algorithm="dataset_surface") for b in blocks]
+    surfaces = [surface_of(block) for block in blocks_of(dataset)]
     has = [scalars in s.point_data or scalars in s.cell_data for s in surfaces]
     if scalars is not None and not any(has):
         names = sorted({n for s in surfaces for n in (*s.point_data.keys(), *s.cell_data.keys())})
         raise ValueError(f"scalars: found no {scalars!r}, but {', '.join(names) or 'no data'}")
     if scalars is not None and not all(has):
-        _warn(f"{has.count(False)} of {len(has)} blocks have no {scalars!r}; they have one colour")
+        warn(f"{has.count(False)} of {len(has)} blocks have no {scalars!r}; they have one colour")
     scene = Scene()
     diagonal = float(np.linalg.norm(np.subtract(dataset.bounds[1::2], dataset.bounds[::2])))
     ends = _ends(surfaces, scalars, vmin, vmax)
     if not any(s.n_cells for s in surfaces):
-        _warn("the dataset has no cells to draw")
-    for values in (_values(s, scalars)[0] for s in surfaces):
-        if values is not None and values.ndim == 2 and values.shape[1] == 4 and (
-                values[:, 3] < (255 if values.dtype == np.uint8 else 1)).any():
-            _warn(f"the opacities of {scalars!r} are left out")
-            break
+        warn("the dataset has no cells to draw")
+    size = radius or 0.004 * diagonal or 1.0
     for surface in surfaces:
-        _add_surface(scene, surface, scalars, (cmap, *ends), color, opacity, smooth,
-                     radius or 0.004 * diagonal or 1.0)
+        values, by_cell = _values(surface, scalars)
+        if values is None:
+            paint = Paint(None, False, {"colors": color, "opacity": opacity})
+        elif values.ndim == 2:
+            paint = Paint(light_of(values, opacity), by_cell, {})
+        else:
+            least, most = (None, None) if ends[0] == ends[1] else ends  # nothing to map
+            paint = Paint(values, by_cell, {"cmap": cmap, "vmin": least, "vmax": most,
+                                            "opacity": opacity})
+        add_surface(scene, surface, paint, smooth, size, size)
     return scene
 
 
-def _blocks(dataset: Any) -> Iterable[Any]:
+def blocks_of(dataset: Any) -> Iterable[Any]:
+    """The datasets with points in a dataset of PyVista, which may be a MultiBlock."""
     if hasattr(dataset, "n_blocks"):
         for block in dataset:
             if block is not None:
-                yield from _blocks(block)
+                yield from blocks_of(block)
     elif dataset.n_points:
         yield dataset
+
+
+def surface_of(dataset: Any) -> Any:
+    """A dataset of PyVista as PolyData."""
+    is_surface = hasattr(dataset, "n_strips")
+    return dataset if is_surface else dataset.extract_surface(algorithm="dataset_surface")
 
 
 def _values(surface: Any, scalars: str | None) -> tuple[Array | None, bool]:
@@ -459,44 +477,61 @@ def _ends(surfaces: list[Any], scalars: str | None, vmin: float | None,
             max(float(v.max()) for v in finite) if vmax is None else vmax)
 
 
-def _add_surface(scene: Scene, surface: Any, scalars: str | None, mapping: tuple[Any, ...],
-                 color: Any, opacity: float | None, smooth: bool | None, radius: float) -> None:
+def light_of(shown: Array, opacity: float | None = None) -> Array:
+    """Display colours, (N, 3) or (N, 4), uint8 or 0 to 1, as light, with a fourth column only if some
+    are transparent."""
+    shares = shown / 255 if shown.dtype == np.uint8 else shown
+    alpha = (shares[:, 3:] if shown.shape[1] == 4 else np.ones((len(shown), 1))) * (
+        1 if opacity is None else opacity)
+    light = linear(shares[:, :3])
+    return np.concatenate((light, alpha), axis=1) if (alpha < 1).any() else light
+
+
+class Paint(NamedTuple):
+    """The look of a surface."""
+
+    colors: Array | None  # of points or cells: (N,) values, or light, (N, 3) or (N, 4)
+    by_cell: bool
+    others: dict[str, Any]  # arguments for all primitives
+    of_faces: dict[str, Any] | None = None  # for meshes instead of colours: uv and material
+
+    def of(self, points: Array, cells: Array) -> dict[str, Any]:
+        """Arguments for primitives of `cells` that have the `points`, (N, points of each)."""
+        if self.colors is None:
+            return self.others
+        own = self.colors[cells] if self.by_cell else self.colors[points].mean(axis=1)
+        return {**self.others, "colors": own}
+
+    def of_mesh(self, faces: Array, cells: Array) -> dict[str, Any]:
+        """Arguments for a mesh, with colours of vertices where possible."""
+        if self.of_faces is not None:
+            return {**self.others, **self.of_faces}
+        if self.by_cell or self.colors is None or self.colors.shape[1:] == (4,):
+            return self.of(faces, cells)
+        return {**self.others, "colors": self.colors}
+
+
+def add_surface(scene: Scene, surface: Any, paint: Paint, smooth: bool | None,
+                point_radii: Array | float, line_radii: Array | float) -> None:
+    """Adds PolyData of PyVista: polygons as triangles, lines as cylinders and vertices as spheres,
+    whose radii may be those of each point. smooth: as for from_pyvista()."""
     points = np.asarray(surface.points)
-    values, by_cell = _values(surface, scalars)
-
-    def look(rows: Array | None, cells: Array) -> dict[str, Any]:
-        """Of primitives of the cells, whose points are `rows`, (N, points of each)."""
-        out: dict[str, Any] = {"opacity": opacity}
-        if values is None:
-            return out | {"colors": color}
-        of = values[cells] if by_cell or rows is None else values[rows].mean(axis=1)
-        if values.ndim == 2:
-            shown = of / 255 if values.dtype == np.uint8 else of
-            return out | {"colors": linear(shown[:, :3])}
-        cmap, vmin, vmax = mapping
-        if vmin == vmax:  # nothing to map
-            vmin = vmax = None
-        return out | {"colors": of, "cmap": cmap, "vmin": vmin, "vmax": vmax}
-
+    of_spheres, of_lines = (np.broadcast_to(r, len(points)) for r in (point_radii, line_radii))
     # The cells of PolyData are vertices, lines, polygons and strips, in this order.
-    first = 0
-    sets = _cells(surface.verts)
-    if sets:
-        rows = np.concatenate(sets)
-        cells = first + np.repeat(np.arange(len(sets)), [len(s) for s in sets])
-        scene.spheres(points[rows], radius, **look(rows[:, None], cells))
-    first += len(sets)
-    sets = _cells(surface.lines)
-    if sets:
-        rows = np.concatenate([np.stack((s[:-1], s[1:]), axis=1) for s in sets])
-        cells = first + np.repeat(np.arange(len(sets)), [len(s) - 1 for s in sets])
-        scene.cylinders(points[rows[:, 0]], points[rows[:, 1]], radius, **look(rows, cells))
-        joints = np.concatenate(sets)
-        of_joints = first + np.repeat(np.arange(len(sets)), [len(s) for s in sets])
-        scene.spheres(points[joints], radius, **look(joints[:, None], of_joints))
-    first += len(sets)
-    count = surface.n_cells - first
-    if not count:
+    rows, vertices = _cells(surface.verts)
+    if len(rows):
+        scene.spheres(points[rows], of_spheres[rows], **paint.of(rows[:, None], vertices))
+    first = surface.n_verts
+    rows, lines = _cells(surface.lines)
+    if len(rows):
+        lines += first
+        inside = lines[1:] == lines[:-1]
+        pairs = np.stack((rows[:-1], rows[1:]))[:, inside]
+        scene.cones(*points[pairs], *of_lines[pairs], **paint.of(pairs.T, lines[1:][inside]))
+        joints, places = np.unique(rows, return_index=True)
+        scene.spheres(points[joints], of_lines[joints], **paint.of(joints[:, None], lines[places]))
+    first += surface.n_lines
+    if first == surface.n_cells:
         return
     # Numbers of cells, through the triangulation; strips become triangles, too.
     own = surface.copy(deep=False)
@@ -514,20 +549,30 @@ def _add_surface(scene: Scene, surface: Any, scalars: str | None, mapping: tuple
             auto_orient_normals=False).point_data["Normals"])
     elif smooth is None and "Normals" in surface.point_data:
         normals = np.asarray(surface.point_data["Normals"])
-    out = look(None, cells if by_cell else np.arange(len(points)))
-    if by_cell and values is not None and len(faces) == len(points):
-        faces = np.concatenate((faces, faces[:1, [0, 0, 0]]))  # not as many as vertices
-        out["colors"] = np.concatenate((out["colors"], out["colors"][:1]))
+    if normals is not None:  # 0 where all faces have no area
+        normals = np.where(normals.any(axis=1, keepdims=True), normals, (0, 0, 1))
+    out = paint.of_mesh(faces, cells)
+    if len(faces) == len(points) and isinstance(out.get("colors"), np.ndarray) and (
+            out["colors"] is not paint.colors):
+        # Colours of this number would be taken as those of vertices.
+        faces = np.concatenate((faces, faces[:1, [0, 0, 0]]))
+        out = {**out, "colors": np.concatenate((out["colors"], out["colors"][:1]))}
     scene.mesh(points, faces, normals=normals, **out)
 
 
-def _cells(packed: Any) -> list[Array]:
-    """VTK's lists: a number of points, then these."""
-    numbers, out, at = np.asarray(packed), [], 0
-    while at < len(numbers):
-        out.append(numbers[at + 1:at + 1 + numbers[at]])
-        at += 1 + int(numbers[at])
-    return out
+def _cells(packed: Any) -> tuple[Array, Array]:
+    """The points of VTK's list of cells, each a number of points and then these; and the number of
+    the cell of each."""
+    numbers = np.asarray(packed)
+    step = int(numbers[0]) + 1 if len(numbers) else 1
+    starts = np.arange(0, len(numbers), step)
+    if not (numbers[starts] == step - 1).all():  # of several sizes
+        places, at = [], 0
+        while at < len(numbers):
+            places.append(at)
+            at += 1 + int(numbers[at])
+        starts = np.array(places)
+    return np.delete(numbers, starts), np.repeat(np.arange(len(starts)), numbers[starts])
 
 
 # --- OVITO
@@ -553,14 +598,14 @@ def from_ovito(data: Any) -> Scene:
         arrows = [name for name in particles.keys()
                   if getattr(getattr(particles[name], "vis", None), "enabled", False)]
         if arrows:
-            _warn(f"arrows are left out: {', '.join(arrows)}")
+            warn(f"arrows are left out: {', '.join(arrows)}")
     if cell is not None and cell.vis is not None and cell.vis.enabled and cell.vis.render_cell:
         _ovito_cell(scene, cell)
     for surface in data.surfaces.values():
         _ovito_surface(scene, surface)
     for name in ("dislocations", "lines", "vectors", "trajectories", "triangle_meshes", "grids"):
         if getattr(data, name, None):
-            _warn(f"{name} of OVITO are left out")
+            warn(f"{name} of OVITO are left out")
     return scene
 
 
@@ -597,7 +642,7 @@ def _ovito_particles(scene: Scene, particles: Any) -> tuple[Array, Array]:
         transparency, 0, 1)
     others = sorted(shapes - {"Sphere", "Circle"})
     if others:
-        _warn(f"shapes of particles are drawn as spheres: {', '.join(others)}")
+        warn(f"shapes of particles are drawn as spheres: {', '.join(others)}")
     positions = np.asarray(particles.positions)
     axes = _property(particles, "Aspherical Shape")
     round_ones = np.ones(count, bool) if axes is None else ~axes.any(axis=1)
@@ -676,7 +721,7 @@ def _ovito_surface(scene: Scene, surface: Any) -> None:
     if caps is not None and vis.show_cap:
         parts.append((caps, vis.cap_color, vis.cap_transparency))
     if str(vis.color_mapping_mode).rpartition(".")[2] not in ("Uniform", "None"):
-        _warn("surfaces have one colour; their colour mapping is left out")
+        warn("surfaces have one colour; their colour mapping is left out")
     for mesh, color, transparency in parts:
         if mesh.face_count:
             vertices, faces = np.asarray(mesh.get_vertices()), np.asarray(mesh.get_faces())

@@ -78,6 +78,9 @@ def test_ase_warns_and_refuses(ase):
             raio.SceneWarning, match="labels that are not elements") as told:
         raio.from_ase(atoms)
     assert told[0].filename == __file__
+    shared = ase.Atoms("Cu", info={"occupancy": {"0": {"Cu": 0.75, "Au": 0.25}}})
+    with pytest.warns(raio.SceneWarning, match="partial occupancies"):
+        raio.from_ase(shared)
     with pytest.raises(ValueError, match="atom 0"):
         raio.from_ase(ase.Atoms("H", [[np.nan, 0, 0]]))
     with pytest.raises(ValueError, match="at least one"):
@@ -335,6 +338,7 @@ def test_pyvista_lines_and_points(pv, silent):
     line = pv.lines_from_points(np.array([[0., 0, 0], [1, 0, 0], [2, 0, 0]]))
     line.point_data["v"] = [0.0, 1, 2]
     scene = raio.from_pyvista(line, scalars="v", radius=0.1)
+    assert len(scene) == 2 + 3  # segments and joints
     assert hit(scene, [0.5, 0, 3], [0, 0, -1]) == pytest.approx(2.9, abs=1e-5)
     cloud = pv.PolyData(np.array([[0., 0, 0], [1, 0, 0]]))
     cloud.cell_data["w"] = [0.0, 1]
@@ -356,8 +360,9 @@ def test_pyvista_volumes_and_blocks(pv, silent):
     with pytest.warns(raio.SceneWarning, match="1 of 2 blocks"):
         assert len(raio.from_pyvista(blocks, scalars="v")) == 48 + len(smooth)
     ball.point_data["c"] = np.full((ball.n_points, 4), 100, np.uint8)
-    with pytest.warns(raio.SceneWarning, match="opacities of 'c'"):
-        raio.from_pyvista(ball, scalars="c")
+    alpha = raio.from_pyvista(ball, scalars="c", opacity=0.5).render(
+        background="transparent", **SMALL).numpy()[24, 32, 3]
+    assert alpha == pytest.approx(1 - (1 - 100 / 255 / 2) ** 2, abs=1e-3)  # two sides
     ball.point_data["c"] = np.full((ball.n_points, 3), 100)
     with pytest.raises(TypeError, match="colours of int64"):
         raio.from_pyvista(ball, scalars="c")
