@@ -87,25 +87,25 @@ nb::object& scene_error() {
 }
 
 void raise(const raio::Error& error) {
+  const nb::object text = nb::module_::import_("raio._options").attr("with_keywords")(error.what());
   switch (error.kind()) {
     case raio::ErrorKind::bad_input:
       if (error.line() > 0 || !error.file().empty()) {
-        const nb::object value =
-            scene_error()(error.what(), error.file(), error.line(), error.column());
+        const nb::object value = scene_error()(text, error.file(), error.line(), error.column());
         PyErr_SetObject(scene_error().ptr(), value.ptr());
       } else {
-        PyErr_SetString(PyExc_ValueError, error.what());
+        PyErr_SetObject(PyExc_ValueError, text.ptr());
       }
       return;
     case raio::ErrorKind::cannot_write:
-      PyErr_SetString(PyExc_OSError, error.what());
+      PyErr_SetObject(PyExc_OSError, text.ptr());
       return;
     case raio::ErrorKind::no_resource:
-      PyErr_SetString(std::strstr(error.what(), "memory") ? PyExc_MemoryError : PyExc_RuntimeError,
-                      error.what());
+      PyErr_SetObject(std::strstr(error.what(), "memory") ? PyExc_MemoryError : PyExc_RuntimeError,
+                      text.ptr());
       return;
     case raio::ErrorKind::cancelled:
-      PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+      PyErr_SetObject(PyExc_KeyboardInterrupt, text.ptr());
       return;
   }
 }

@@ -6,7 +6,7 @@
 
 import textwrap
 
-from raio._options import table
+from raio._options import table, with_keywords
 
 TYPES = {
     "switch": "bool",
@@ -36,7 +36,7 @@ def member(keyword, option):
 
 
 def described(keyword, option):
-    return textwrap.fill(f"{keyword}: {option['help'].replace('`', '')}", 106, initial_indent=" " * 8,
+    return textwrap.fill(f"{keyword}: {with_keywords(option['help'])}", 106, initial_indent=" " * 8,
                          subsequent_indent=" " * 12)
 
 

@@ -8,7 +8,7 @@ from typing import Any, Unpack
 
 from . import _raio
 from ._film import Image, Path
-from ._options import settings, split
+from ._options import settings, split, with_keywords
 from ._progress import Progress, Reporter
 from ._render_options import FileOptions, ReadOptions
 from ._scene import Scene, SceneWarning
@@ -61,7 +61,7 @@ def read_settings(options: Mapping[str, Any]) -> _raio.Settings:
 def scene_of(core: _raio.Scene, stacklevel: int) -> Scene:
     """A scene of what was read; its warnings name the caller that many levels up."""
     for text in core.warnings():
-        warnings.warn(text, SceneWarning, stacklevel=stacklevel)
+        warnings.warn(with_keywords(text), SceneWarning, stacklevel=stacklevel)
     scene = Scene(background=None)
     scene._base = core
     return scene

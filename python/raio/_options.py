@@ -3,6 +3,7 @@
 import difflib
 import functools
 import os
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,6 +20,17 @@ def table() -> dict[str, dict[str, Any]]:
 
 def _keyword(name: str) -> str:
     return "from_" if name == "from" else name.replace("-", "_")
+
+
+@functools.cache
+def _names() -> re.Pattern[str]:
+    dashed = sorted((o["name"] for o in table().values() if "-" in o["name"]), key=len, reverse=True)
+    return re.compile(rf"(?<![\w./-])(?:{'|'.join(dashed)})(?![\w/-]|\.\w)|^from(?=: )")
+
+
+def with_keywords(text: str) -> str:
+    """A text of the library, which names options as the command line does, with their keywords."""
+    return _names().sub(lambda name: _keyword(name[0]), text)
 
 
 def _text(keyword: str, option: Mapping[str, Any], value: Any) -> str:
