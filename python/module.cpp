@@ -367,6 +367,9 @@ void bind_scene(nb::module_& m) {
              scene.add_instances(prototype, column<12>(matrices));
            })
       .def("primitive_count", &Scene::primitive_count)
+      .def("count", [](const Scene& scene, int kind) { return scene.count(raio::Kind(kind)); })
+      .def("mesh_triangle_count", &Scene::mesh_triangle_count)
+      .def("instance_count", &Scene::instance_count)
       .def("bounds", &Scene::bounds);
 }
 

@@ -119,6 +119,7 @@ struct Appearance {
 };
 
 class Settings;
+enum class Kind;
 
 /// A scene. Copies are independent of each other.
 class RAIO_API Scene {
@@ -229,6 +230,11 @@ class RAIO_API Scene {
 
   /// Including those of instances.
   size_t primitive_count() const;
+  /// Those of a kind that are neither in instances nor in meshes. With the next two, taken before
+  /// and after a call, it tells which call added what a Hit names.
+  size_t count(Kind kind) const;
+  size_t mesh_triangle_count() const;
+  size_t instance_count() const;
   /// The lowest and highest corner of all finite primitives; nothing for an empty scene.
   std::optional<std::array<Triple, 2>> bounds() const;
 

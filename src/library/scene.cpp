@@ -660,6 +660,22 @@ void Scene::add_instances(const Column<uint32_t>& prototypes, const Column<float
 
 size_t Scene::primitive_count() const { return data_->scene.primitive_count(); }
 
+size_t Scene::count(Kind kind) const {
+  size_t count = 0, k = 0;
+  for_each_pool([&](auto pool) {  // in the order of Kind
+    if (k++ == size_t(kind)) count = (data_->scene.*pool.shapes).size();
+  });
+  return count;
+}
+
+size_t Scene::mesh_triangle_count() const {
+  size_t count = 0;
+  for (const Mesh& mesh : data_->scene.meshes) count += mesh.triangles.size();
+  return count;
+}
+
+size_t Scene::instance_count() const { return data_->scene.instances.size(); }
+
 std::optional<std::array<Triple, 2>> Scene::bounds() const { return bounds_of(data_->scene); }
 
 }  // namespace raio::inline v1
