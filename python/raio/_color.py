@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
-from ._arrays import Floats, numbers
+from ._arrays import Floats, did_you_mean, numbers
+from ._options import table
 
 # "white", "#ff8800", (r, g, b), (N, 3), (N, 4), or (N,) values for a colour map.
 ColorsLike = str | npt.ArrayLike
@@ -52,22 +53,25 @@ def colormap(cmap: Any) -> Floats:
         (256, 3)
     """
     if isinstance(cmap, str):
-        try:
+        own = table()["colormap"]["words"]
+        if cmap in own:
             return _raio.colormap(cmap)
-        except ValueError:
-            try:
-                import matplotlib
-            except ImportError:
-                raise ValueError(
-                    f"cmap: expected viridis, plasma, cividis or coolwarm, or matplotlib installed "
-                    f"for others; found {cmap!r}") from None
-            try:
-                cmap = matplotlib.colormaps[cmap]
-            except KeyError:
-                raise ValueError(f"cmap: matplotlib has no colour map {cmap!r}") from None
+        others = _matplotlib_maps()
+        if cmap not in others:
+            raise ValueError(f"cmap: expected {', '.join(own)} or, with matplotlib installed, a name in "
+                             f"matplotlib.colormaps; found {cmap!r}{did_you_mean(cmap, [*own, *others])}")
+        cmap = others[cmap]
     if not callable(cmap):
         raise TypeError(f"cmap: expected a name or a matplotlib Colormap, found {cmap!r}")
     return linear(np.asarray(cmap(np.linspace(0, 1, 256)))[:, :3])
+
+
+def _matplotlib_maps() -> Any:
+    try:
+        from matplotlib import colormaps
+    except ImportError:
+        return {}
+    return colormaps
 
 
 def one_color(name: str, value: Any) -> tuple[float, float, float]:

@@ -3,7 +3,7 @@
 import errno
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
 from . import _raio
@@ -58,10 +58,11 @@ def read_settings(options: Mapping[str, Any]) -> _raio.Settings:
     return settings(read)
 
 
-def scene_of(core: _raio.Scene, stacklevel: int) -> Scene:
+def scene_of(core: _raio.Scene, stacklevel: int,
+             worded: Callable[[str], str] = with_keywords) -> Scene:
     """A scene of what was read; its warnings name the caller that many levels up."""
     for text in core.warnings():
-        warnings.warn(with_keywords(text), SceneWarning, stacklevel=stacklevel)
+        warnings.warn(worded(text), SceneWarning, stacklevel=stacklevel)
     scene = Scene(background=None)
     scene._base = core
     return scene

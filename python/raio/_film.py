@@ -1,6 +1,7 @@
 """Films, which hold samples, and images, which are finished."""
 
 import os
+import threading
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -83,7 +84,7 @@ class Film:
     """A picture that is rendered bit by bit: it can be refined, stored, resumed and merged.
 
     By Scene.start() or load_film(). The samples may come in any portions and order, on any machine:
-    the result has the bytes of a single render.
+    the result has the bytes of a single render. Several threads may use a film: add() lets one work.
     """
 
     def __init__(self, film: "_raio.Film | None", scene: "Scene | None" = None,
@@ -91,6 +92,7 @@ class Film:
         self._film = film
         self._scene = scene
         self._options = options or {}
+        self._adding = threading.Lock()
 
     @property
     def samples(self) -> int:
@@ -108,8 +110,9 @@ class Film:
             raise ValueError("this film has no scene; give it to load_film()")
         if samples < 1:
             raise ValueError(f"samples: expected a whole number from 1 on, found {samples}")
-        options = dict(self._options, samples=self.samples + samples)
-        self._film = self._scene._render(options, progress, begun=self._film)
+        with self._adding:
+            options = dict(self._options, samples=self.samples + samples)
+            self._film = self._scene._render(options, progress, begun=self._film)
         return self
 
     def image(self) -> Image:

@@ -1,6 +1,5 @@
 """The options of the command line as keyword arguments."""
 
-import difflib
 import functools
 import os
 import re
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _raio
+from ._arrays import did_you_mean
 
 
 @functools.cache
@@ -63,9 +63,8 @@ def settings(options: Mapping[str, Any]) -> _raio.Settings:
     all_settings = _raio.Settings()
     for keyword, value in options.items():
         if keyword not in known:
-            near = difflib.get_close_matches(keyword, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else "; help(raio.RenderOptions) lists them"
-            raise TypeError(f"unknown option {keyword!r}{hint}")
+            near = did_you_mean(keyword, known) or "; help(raio.RenderOptions) lists them"
+            raise TypeError(f"unknown option {keyword!r}{near}")
         if value is not None:
             all_settings.set(known[keyword]["name"], _text(keyword, known[keyword], value))
     return all_settings

@@ -183,6 +183,7 @@ CALLS = [
     (lambda s: s.intersect(row(3, 0, NAN), centers + 1), r"ray 3: a number is not finite"),
     (lambda s: s.start(seed="many"), r"seed: expected"),
     (lambda s: raio.Scene(background="nothing"), None),
+    (lambda s: raio.colormap("virdis"), r"cmap: expected viridis, .*'virdis'; did you mean viridis\?"),
 ]
 
 
