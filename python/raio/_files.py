@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
-from . import _raio
+from . import _annotations as annotations, _raio
 from ._film import Image, Path
 from ._options import settings, split, with_keywords
 from ._progress import Progress, Reporter
@@ -35,7 +35,7 @@ def load(path: Path, *, progress: Progress = False, **options: Unpack[ReadOption
 def render(path: Path, *, progress: Progress = False, **options: Unpack[FileOptions]) -> Image:
     """Reads a scene file and renders it: options as for load() and Scene.render()."""
     read, others = split(options)
-    settings(others)  # reports errors before the file is read
+    settings(annotations.split(others)[1])  # reports errors before the file is read
     return _load(path, progress, read, 4).render(progress=progress, **others)
 
 

@@ -77,7 +77,7 @@ class Image:
         return f"<raio.Image of {width} x {height}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickle_image, (self._film.to_bytes(),)
+        return _unpickle_image, (self._film.to_bytes(), self._film.annotations())
 
 
 class Film:
@@ -139,20 +139,29 @@ class Film:
         return f"<raio.Film with {self.samples} samples a pixel>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        data = None if self._film is None else self._film.to_bytes()
+        data = None if self._film is None else (self._film.to_bytes(), self._film.annotations())
         return _unpickle_film, (data, self._scene, self._options)
 
 
-def _unpickle_image(data: bytes) -> Image:
-    return Image(_raio.Film.from_bytes(data))
+def _unpickle_image(data: bytes, annotations: Any) -> Image:
+    return Image(_annotated(data, annotations))
 
 
-def _unpickle_film(data: bytes | None, scene: Any, options: dict[str, Any]) -> Film:
-    return Film(None if data is None else _raio.Film.from_bytes(data), scene, options)
+def _annotated(data: bytes, annotations: Any) -> _raio.Film:
+    film = _raio.Film.from_bytes(data)
+    color_bar, _, legend, scale_bar = annotations
+    if color_bar or legend or scale_bar:
+        film.annotate(annotations)
+    return film
+
+
+def _unpickle_film(data: Any, scene: Any, options: dict[str, Any]) -> Film:
+    return Film(None if data is None else _annotated(*data), scene, options)
 
 
 def load_film(path: Path, scene: "Scene | None" = None, **options: Any) -> Film:
-    """Reads a .raio file of samples. With its scene and options, samples can be added."""
+    """Reads a .raio file of samples. With its scene and options, samples can be added; only then are
+    annotations drawn, which such a file does not store."""
     return Film(_raio.Film.read(os.fspath(path)), scene, options)
 
 

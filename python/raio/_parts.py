@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
+from ._annotations import Scale
 from ._arrays import Floats, Strict, indices, numbers, per_row
-from ._color import Painted, limits, paint
+from ._color import Painted, colormap, limits, paint
 from ._material import Material
 
 if TYPE_CHECKING:
@@ -135,6 +136,14 @@ class Part(Strict):
             self._arrays[name] = per_row(name, value, self._count)
         else:
             self._arrays[name] = numbers(name, value, width, self._count)
+
+    def _scales(self) -> list[Scale]:
+        """The scales of the values that are shown as colours."""
+        cmap, *ends = self._map
+        if cmap is None:
+            return []
+        least, most = limits(numbers("colors", self._colors, None), *ends)
+        return [("", least, most, colormap(cmap).ravel().tolist())]
 
     def _look(self, core: _raio.Scene) -> tuple[int, Floats | None, Floats | None]:
         """The number of the material in `core`, colours and opacities."""
@@ -359,6 +368,9 @@ class Instances(Part):
         if colors is not None:
             raise ValueError("colors: instances have those of their object; change that")
         self._colors = None
+
+    def _scales(self) -> list[Scale]:
+        return self._object._scales()
 
     def _add(self, core: _raio.Scene) -> None:
         core.add_instances(core.add_prototype(self._object._core()), self.transforms)

@@ -5,6 +5,8 @@ from typing import Literal, TypedDict
 
 import numpy.typing as npt
 
+from ._annotations import AnnotationOptions
+
 
 class ReadOptions(TypedDict, total=False):
     """How raio.load() reads a file. None: the default.
@@ -53,7 +55,7 @@ class ReadOptions(TypedDict, total=False):
     frame: int | None
 
 
-class RenderOptions(TypedDict, total=False):
+class RenderOptions(AnnotationOptions, total=False):
     """How Scene.render() makes a picture. None: the default.
 
     Attributes:

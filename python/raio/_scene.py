@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
+from ._annotations import Annotations, Scale, split
 from ._arrays import FloatsLike, Strict, numbers, per_row, triple
 from ._color import ColorsLike, one_color
 from ._film import Film, Image, Path
@@ -376,12 +377,13 @@ class Scene(Strict):
             progress: True shows a bar; or a function of the stage and its share, 0 to 1.
             options: every rendering option of the command line is a keyword: `size=(1920, 1080)`,
                 `samples=64`, `channels=["depth", "id"]`, `soft_shadows=True`; raio.RenderOptions lists
-                them.
+                them. `color_bar`, `legend` and `scale_bar` are those of raio.AnnotationOptions.
 
         Raises:
             TypeError: an option is unknown.
             ValueError: a value does not fit.
             MemoryError: the scene is too large.
+            RuntimeError: something is to be drawn on the picture, but Cairo is missing.
         """
         return Image(self._render(dict(options), progress))
 
@@ -391,7 +393,9 @@ class Scene(Strict):
             if name in options:
                 raise TypeError(f"{name} is not for start(): Film.add() takes the samples, and "
                                 "render() makes parts with sample_range")
-        settings(options)
+        marks, others = split(options)
+        Annotations(self, marks)
+        settings(others)
         return Film(None, self, dict(options))
 
     def save(self, path: Path) -> None:
@@ -559,11 +563,22 @@ class Scene(Strict):
 
     def _render(self, options: dict[str, Any], progress: Progress,
                 begun: "_raio.Film | None" = None) -> _raio.Film:
+        marks, options = split(options)
+        annotations = Annotations(self, marks)
         wanted = self._with_defaults(options)
         all_settings = settings(wanted)
         with Reporter(progress) as reporter:
             accel, _ = self._accel(wanted, reporter.report)
-            return _raio.render(accel, all_settings, begun, reporter.report)
+            film = _raio.render(accel, all_settings, begun, reporter.report)
+        if annotations:
+            annotations.put_on(film)
+        return film
+
+    def _scales(self) -> list[Scale]:
+        """The scales of all values that are shown as colours."""
+        of_file = None if self._base is None else self._base.color_scale()
+        own = [] if of_file is None else [of_file]
+        return own + [scale for part in self._parts for scale in part._scales()]
 
     def __getstate__(self) -> dict[str, Any]:
         state = {name: value for name, value in self.__dict__.items()
