@@ -161,7 +161,7 @@ std::vector<Json> measure(const Subject& subject) {
 
 // The geometric mean over the scenes.
 LogLine mean_line(const std::vector<Json>& rows, const char* effect, const char* sampler,
-                  const char* error, app::Ink ink) {
+                  const char* error, Ink ink) {
   LogLine line{fmt::format("{}, {}", sampler, error), ink, error == kBlurred, {}};
   for (const int side : kSides) {
     double logarithms = 0, count = 0;
@@ -174,9 +174,9 @@ LogLine mean_line(const std::vector<Json>& rows, const char* effect, const char*
 }
 
 void plot_errors(const std::vector<Json>& rows, const std::string& path) {
-  constexpr app::Ink kInks[] = {app::kGrey, app::kVermilion, app::kBlue};
-  write_page(path, [&](const app::Canvas& canvas) {
-    canvas.text(40, 60, "Error against samples per pixel", app::kBlack, app::Align::left, 38, true);
+  constexpr Ink kInks[] = {kGrey, kVermilion, kBlue};
+  write_page(path, [&](const Canvas& canvas) {
+    canvas.text(40, 60, "Error against samples per pixel", kBlack, Align::left, 38, true);
     for (int i = 0; i < 4; ++i) {
       const double left = 110 + 640 * (i % 2), top = 160 + 430 * (i / 2);
       LogPlot plot{left,

@@ -30,9 +30,8 @@ std::vector<LogLine> lines_of(const std::vector<Json>& rows) {
 }  // namespace
 
 void plot_growth(const std::vector<Json>& rows, const std::string& path) {
-  write_page(path, [&](const app::Canvas& canvas) {
-    canvas.text(40, 60, "Time against the number of primitives", app::kBlack, app::Align::left, 38,
-                true);
+  write_page(path, [&](const Canvas& canvas) {
+    canvas.text(40, 60, "Time against the number of primitives", kBlack, Align::left, 38, true);
     const LogPlot plot{130, 1300, 130, 900, "", "primitives", app::tick_label, lines_of(rows)};
     draw_log_plot(canvas, plot);
     draw_legend(canvas, plot.right + 30, plot.top + 20, plot.lines);

@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "app/canvas.h"
+#include "draw/canvas.h"
 
 namespace raio::core::bench {
 
 struct LogLine {
   std::string name;
-  app::Ink ink;
+  Ink ink;
   bool dotted;
   std::vector<std::pair<double, double>> points;
 };
@@ -25,13 +25,12 @@ struct LogPlot {
   std::vector<LogLine> lines;
 };
 
-void draw_log_plot(const app::Canvas& canvas, const LogPlot& plot);
+void draw_log_plot(const Canvas& canvas, const LogPlot& plot);
 
 /// Names next to their inks, one below the other from (x, y); returns the next position.
-double draw_legend(const app::Canvas& canvas, double x, double y,
-                   const std::vector<LogLine>& lines);
+double draw_legend(const Canvas& canvas, double x, double y, const std::vector<LogLine>& lines);
 
 /// Writes a page with the result of `draw` to a file: .png, .svg or .pdf.
-void write_page(const std::string& path, const std::function<void(const app::Canvas&)>& draw);
+void write_page(const std::string& path, const std::function<void(const Canvas&)>& draw);
 
 }  // namespace raio::core::bench

@@ -5,8 +5,8 @@
 #include <exception>
 
 #include "app/arguments.h"
-#include "app/canvas.h"
 #include "bench/suites.h"
+#include "draw/canvas.h"
 
 namespace raio::core::bench {
 namespace {
@@ -89,7 +89,7 @@ int parse_and_run(int argc, char** argv) {
     return app.exit(error) ? 2 : 0;
   }
   if (!s.plot.empty())
-    if (const auto format = app::plot_format(s.plot); !format) give_up(2, format.error());
+    if (const auto format = plot_format(s.plot); !format) give_up(2, format.error());
   s.options.threads = resolve_options(s.options, Scene{}).threads;
   for (const Suite& suite : kSuites) {
     if (!app.got_subcommand(suite.name)) continue;

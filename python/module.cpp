@@ -8,6 +8,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 #include <raio/raio.h>
@@ -28,6 +29,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -87,25 +89,25 @@ nb::object& scene_error() {
 }
 
 void raise(const raio::Error& error) {
+  const nb::object text = nb::module_::import_("raio._options").attr("with_keywords")(error.what());
   switch (error.kind()) {
     case raio::ErrorKind::bad_input:
       if (error.line() > 0 || !error.file().empty()) {
-        const nb::object value =
-            scene_error()(error.what(), error.file(), error.line(), error.column());
+        const nb::object value = scene_error()(text, error.file(), error.line(), error.column());
         PyErr_SetObject(scene_error().ptr(), value.ptr());
       } else {
-        PyErr_SetString(PyExc_ValueError, error.what());
+        PyErr_SetObject(PyExc_ValueError, text.ptr());
       }
       return;
     case raio::ErrorKind::cannot_write:
-      PyErr_SetString(PyExc_OSError, error.what());
+      PyErr_SetObject(PyExc_OSError, text.ptr());
       return;
     case raio::ErrorKind::no_resource:
-      PyErr_SetString(std::strstr(error.what(), "memory") ? PyExc_MemoryError : PyExc_RuntimeError,
-                      error.what());
+      PyErr_SetObject(std::strstr(error.what(), "memory") ? PyExc_MemoryError : PyExc_RuntimeError,
+                      text.ptr());
       return;
     case raio::ErrorKind::cancelled:
-      PyErr_SetString(PyExc_KeyboardInterrupt, error.what());
+      PyErr_SetObject(PyExc_KeyboardInterrupt, text.ptr());
       return;
   }
 }
@@ -244,6 +246,41 @@ nb::tuple camera_tuple(const raio::Camera& c) {
                         c.projection == raio::Projection::orthographic);
 }
 
+// --- annotations, as tuples of plain values, which can be pickled
+
+using ScaleTuple = std::tuple<std::string, double, double, std::vector<float>>;
+using LegendTuples = std::vector<std::pair<std::string, Triple>>;
+using AnnotationsTuple = std::tuple<std::optional<ScaleTuple>, bool, LegendTuples,
+                                    std::optional<std::pair<double, std::string>>>;
+
+std::optional<ScaleTuple> tuple_of(const std::optional<raio::ColorScale>& scale) {
+  if (!scale) return std::nullopt;
+  return ScaleTuple(scale->name, scale->least, scale->most, scale->colors);
+}
+
+LegendTuples tuples_of(const std::vector<raio::LegendEntry>& legend) {
+  LegendTuples all;
+  for (const auto& [name, color] : legend) all.emplace_back(name, color);
+  return all;
+}
+
+AnnotationsTuple tuple_of(const raio::Annotations& drawn) {
+  AnnotationsTuple all{
+      tuple_of(drawn.color_bar), drawn.color_bar_at_left, tuples_of(drawn.legend), {}};
+  if (const auto& bar = drawn.scale_bar) std::get<3>(all) = {bar->pixels_per_unit, bar->unit};
+  return all;
+}
+
+raio::Annotations annotations_of(const AnnotationsTuple& all) {
+  const auto& [color_bar, at_left, legend, scale_bar] = all;
+  raio::Annotations wanted;
+  wanted.color_bar_at_left = at_left;
+  if (color_bar) wanted.color_bar = std::make_from_tuple<raio::ColorScale>(*color_bar);
+  for (const auto& [name, color] : legend) wanted.legend.push_back({name, color});
+  if (scale_bar) wanted.scale_bar = {scale_bar->first, scale_bar->second};
+  return wanted;
+}
+
 void bind_scene(nb::module_& m) {
   using raio::Scene;
   nb::class_<Scene>(m, "Scene")
@@ -283,6 +320,9 @@ void bind_scene(nb::module_& m) {
              executed(nullptr, nb::none(), [&] { scene.write(path); });
            })
       .def("warnings", &Scene::warnings)
+      .def("color_scale", [](const Scene& scene) { return tuple_of(scene.color_scale()); })
+      .def("legend", [](const Scene& scene) { return tuples_of(scene.legend()); })
+      .def("unit", &Scene::unit)
       .def("camera", [](const Scene& scene) { return camera_tuple(scene.camera()); })
       .def("set_camera",
            [](Scene& scene, Triple from, Triple at, Triple up, double fov_deg, bool parallel) {
@@ -367,6 +407,9 @@ void bind_scene(nb::module_& m) {
              scene.add_instances(prototype, column<12>(matrices));
            })
       .def("primitive_count", &Scene::primitive_count)
+      .def("count", [](const Scene& scene, int kind) { return scene.count(raio::Kind(kind)); })
+      .def("mesh_triangle_count", &Scene::mesh_triangle_count)
+      .def("instance_count", &Scene::instance_count)
       .def("bounds", &Scene::bounds);
 }
 
@@ -488,6 +531,12 @@ void bind_film(nb::module_& m) {
              if (components == 1) return nb::cast(owned(std::move(values), {h, w}));
              return nb::cast(owned(std::move(values), {h, w, size_t(components)}));
            })
+      .def("annotate",
+           [](Film& film, const AnnotationsTuple& annotations) {
+             film.annotate(annotations_of(annotations));
+           })
+      .def("annotations", [](const Film& film) { return tuple_of(film.annotations()); })
+      .def("pixels_per_unit", &Film::pixels_per_unit)
       .def("nan_samples", &Film::nan_samples);
 }
 
@@ -534,6 +583,7 @@ NB_MODULE(_raio, m) {
   bind_film(m);
   m.def("render", &render, "accel"_a, "settings"_a, "begun"_a.none(), "report"_a = nb::none());
   m.def("set_scene_error", [](nb::object type) { scene_error() = std::move(type); });
+  m.def("drawing_problem", &raio::drawing_problem);
   m.def("version", &raio::version);
   m.def("parse_color", &raio::parse_color);
   m.def("to_linear", [](nb::ndarray<float, nb::ndim<1>, nb::c_contig, nb::device::cpu> values) {

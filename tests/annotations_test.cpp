@@ -1,5 +1,5 @@
 // Legends and scale bars on pictures, and sizes in print.
-#include "app/annotations.h"
+#include "draw/annotations.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

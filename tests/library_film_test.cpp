@@ -8,6 +8,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -270,6 +271,36 @@ TEST_F(LibraryParts, AreCheckpointsToo) {
   EXPECT_TRUE(rendered(again).to_bytes() == film.to_bytes());
   EXPECT_THAT(refusal([&] { raio::Job(scene(), again, film); }),
               HasSubstr("there is a film to continue"));
+}
+
+TEST_F(LibraryParts, AreAnnotatedAsPictures) {
+  raio::Film film = raio::Job(scene(), twelve()).run();
+  const auto plain = film.display();
+  const auto light = film.rgba();
+  // Of 70 pixels, at the distance of the point looked at.
+  EXPECT_NEAR(film.pixels_per_unit(), 35 / (std::sqrt(97) * 0.36397), 1e-3);
+  raio::Annotations wanted;
+  wanted.color_bar = raio::ColorScale{"speed", 0, 2, raio::colormap("plasma")};
+  wanted.scale_bar = {film.pixels_per_unit(), "nm"};
+  if (const std::string why = raio::drawing_problem(); !why.empty()) {
+    EXPECT_THROW(film.annotate(wanted), raio::Error);
+    GTEST_SKIP() << why;
+  }
+  film.annotate(wanted);
+  const auto drawn = film.display();
+  EXPECT_NE(drawn, plain);
+  EXPECT_EQ(film.rgba(), light);
+  EXPECT_EQ(raio::Film(film).display(), drawn);
+  raio::Film read = raio::Film::from_bytes(film.to_bytes());
+  EXPECT_EQ(read.display(), plain);
+  EXPECT_THAT(refusal([&] { read.annotate({.scale_bar = {{read.pixels_per_unit(), "nm"}}}); }),
+              HasSubstr("size of a scene unit in it is unknown"));
+  EXPECT_EQ(read.annotate(wanted).display(), drawn);
+  EXPECT_THAT(refusal([&] { film.annotate({.legend = {{"one", {1, 0, 0}}}}); }),
+              HasSubstr("100x70 pixels has no room for a legend"));
+  wanted.color_bar->colors.pop_back();
+  EXPECT_THAT(refusal([&] { film.annotate(wanted); }), HasSubstr("found 767 numbers"));
+  EXPECT_EQ(film.display(), drawn);
 }
 
 TEST_F(LibraryParts, AreDisplayedWithAnotherExposure) {

@@ -518,6 +518,27 @@ TEST(LibraryAccel, PolygonsAreCountedAsPolygons) {
   EXPECT_EQ(accel.closest({{0.2, 0.2, 5}, {0, 0, -1}}).kind, raio::Kind::triangle);
 }
 
+TEST(LibraryAccel, CountsTellWhichCallAddedWhatIsHit) {
+  raio::Scene scene = stage();
+  const Floats corners = {0, 0, 0, 4, 0, 0, 0, 4, 0}, aside = {10, 0, 0, 14, 0, 0, 10, 4, 0};
+  const uint32_t triangle[] = {0, 1, 2};
+  const Floats center = {0, 0, 20}, radius = {2};
+  raio::Scene object;
+  object.add_spheres({center.data(), 1}, {radius.data(), 1});
+  scene.add_mesh({corners.data(), 3}, {triangle, 1}, {}, {}, {});
+  scene.add_triangles({aside.data(), 3}, {triangle, 1});
+  const Floats place = {1, 0, 0, 30, 0, 1, 0, 0, 0, 0, 1, 0};
+  scene.add_instances(scene.add_prototype(object), {place.data(), 1});
+  EXPECT_EQ(scene.count(raio::Kind::triangle), 1u);
+  EXPECT_EQ(scene.count(raio::Kind::sphere), 0u);
+  EXPECT_EQ(object.count(raio::Kind::sphere), 1u);
+  EXPECT_EQ(scene.mesh_triangle_count(), 1u);
+  EXPECT_EQ(scene.instance_count(), 1u);
+  const raio::Accel accel(scene);
+  EXPECT_EQ(accel.closest({{11, 1, 5}, {0, 0, -1}}).index, 0u);
+  EXPECT_EQ(accel.closest({{1, 1, 5}, {0, 0, -1}}).index, scene.count(raio::Kind::triangle));
+}
+
 TEST(LibraryAccel, ThreadsTraceTogether) {
   const raio::Accel accel(everything(nullptr));
   const auto rays = random_rays(3000);

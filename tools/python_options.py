@@ -6,7 +6,7 @@
 
 import textwrap
 
-from raio._options import table
+from raio._options import table, with_keywords
 
 TYPES = {
     "switch": "bool",
@@ -36,14 +36,14 @@ def member(keyword, option):
 
 
 def described(keyword, option):
-    return textwrap.fill(f"{keyword}: {option['help'].replace('`', '')}", 106, initial_indent=" " * 8,
+    return textwrap.fill(f"{keyword}: {with_keywords(option['help'])}", 106, initial_indent=" " * 8,
                          subsequent_indent=" " * 12)
 
 
-def class_text(name, doc, options):
+def class_text(name, base, doc, options):
     about = "\n".join(described(k, o) for k, o in options.items())
     members = "\n".join(member(k, o) for k, o in options.items())
-    return (f'class {name}(TypedDict, total=False):\n    """{doc}\n\n    Attributes:\n{about}\n    """\n\n'
+    return (f'class {name}({base}, total=False):\n    """{doc}\n\n    Attributes:\n{about}\n    """\n\n'
             f"{members}")
 
 
@@ -54,9 +54,10 @@ def text():
     return "\n\n\n".join([
         '"""The options of the command line as types of keyword arguments; by tools/python_options.py."""'
         "\n\nfrom collections.abc import Sequence\nfrom typing import Literal, TypedDict"
-        "\n\nimport numpy.typing as npt",
-        class_text("ReadOptions", "How raio.load() reads a file. None: the default.", read),
-        class_text("RenderOptions", "How Scene.render() makes a picture. None: the default.", others),
+        "\n\nimport numpy.typing as npt\n\nfrom ._annotations import AnnotationOptions",
+        class_text("ReadOptions", "TypedDict", "How raio.load() reads a file. None: the default.", read),
+        class_text("RenderOptions", "AnnotationOptions",
+                   "How Scene.render() makes a picture. None: the default.", others),
         'class FileOptions(ReadOptions, RenderOptions):\n    """Both, for raio.render()."""',
     ]) + "\n"
 

@@ -137,7 +137,36 @@ struct Appearance {
   Column<float> opacity;
 };
 
+/// Numbers shown as colours: `colors` are three numbers of light each, from that of `least` to that
+/// of `most`, as many as colormap() returns.
+struct ColorScale {
+  std::string name;  ///< of the numbers
+  double least = 0, most = 1;
+  std::vector<float> colors = {};
+};
+
+/// A colour with a meaning.
+struct LegendEntry {
+  std::string name;
+  Triple color;
+};
+
+/// What a picture tells about its scene, drawn as by --color-bar, --legend and --scale-bar of `raio
+/// render`.
+struct Annotations {
+  struct ScaleBar {
+    double pixels_per_unit;  ///< see Film
+    std::string unit;        ///< of length; empty: none
+  };
+
+  std::optional<ColorScale> color_bar = std::nullopt;
+  bool color_bar_at_left = false;  ///< the legend takes the other side
+  std::vector<LegendEntry> legend = {};
+  std::optional<ScaleBar> scale_bar = std::nullopt;
+};
+
 class Settings;
+enum class Kind;
 
 /// A scene. Copies are independent of each other.
 class RAIO_API Scene {
@@ -168,6 +197,12 @@ class RAIO_API Scene {
   static Scene from_bytes(std::string_view bytes, std::shared_ptr<const void> keep = {});
   /// Warnings of the reader, one line each.
   const std::vector<std::string>& warnings() const;
+  /// For annotations, of a scene that was read: the numbers that its colours show, if they do,
+  /// names of its colours, and the unit of its lengths ("Å"); empty: unknown. Stored in no scene
+  /// file.
+  std::optional<ColorScale> color_scale() const;
+  std::vector<LegendEntry> legend() const;
+  const std::string& unit() const;
 
   void set_camera(const Camera& camera);
   Camera camera() const;
@@ -258,6 +293,11 @@ class RAIO_API Scene {
 
   /// Including those of instances.
   size_t primitive_count() const;
+  /// Those of a kind that are neither in instances nor in meshes. With the next two, taken before
+  /// and after a call, it tells which call added what a Hit names.
+  size_t count(Kind kind) const;
+  size_t mesh_triangle_count() const;
+  size_t instance_count() const;
   /// The lowest and highest corner of all finite primitives; nothing for an empty scene.
   std::optional<std::array<Triple, 2>> bounds() const;
 
@@ -505,6 +545,14 @@ class RAIO_API Film {
   Film& set(std::string_view name, std::string_view value);
   Film& set(std::string_view name, double value);
 
+  /// Draws these on the pictures of write(), display() and encode(), not on rgba() and parts, which
+  /// do not store them. Needs Cairo where the program runs; the error says what is missing.
+  Film& annotate(Annotations annotations);
+  const Annotations& annotations() const;
+  /// The size of a scene unit at the point looked at; 0: unknown, since the film was read or
+  /// merged.
+  double pixels_per_unit() const;
+
   int width() const;
   int height() const;
   /// Red, green, blue and coverage per pixel, row by row from the top: display values for the
@@ -578,6 +626,9 @@ RAIO_API void to_linear(float* values, size_t count);
 /// The light of the 256 colours of a map, three numbers each: "viridis", "plasma", "cividis" or
 /// "coolwarm".
 RAIO_API std::vector<float> colormap(std::string_view name);
+
+/// Why Film::annotate() cannot draw here, in one line; empty: it can.
+RAIO_API std::string drawing_problem();
 
 /// "0.2.0".
 RAIO_API std::string version();

@@ -14,6 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from ._annotations import AnnotationOptions as AnnotationOptions
     from ._color import colormap as colormap, linear as linear
     from ._files import load as load, render as render
     from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
         Discs as Discs,
         Ellipsoids as Ellipsoids,
         Instances as Instances,
+        Lines as Lines,
         Mesh as Mesh,
         Part as Part,
         Spheres as Spheres,
@@ -44,11 +46,12 @@ if TYPE_CHECKING:
 
 # Imported on first use, with numpy: `import raio` takes a millisecond.
 _MODULES = {
+    "_annotations": ("AnnotationOptions",),
     "_color": ("colormap", "linear"),
     "_files": ("load", "render"),
     "_film": ("Film", "Image", "load_film", "merge"),
     "_material": ("Material",),
-    "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Mesh", "Part", "Spheres"),
+    "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Lines", "Mesh", "Part", "Spheres"),
     "_rays": ("KINDS", "Hits"),
     "_render_options": ("ReadOptions", "RenderOptions"),
     "_scene": ("Scene", "SceneError", "SceneWarning"),

@@ -1,6 +1,7 @@
 """Arrays of callers: their shapes and types are checked, and float32 is passed on without a copy."""
 
 import difflib
+from collections.abc import Iterable
 from typing import Any, Literal
 
 import numpy as np
@@ -12,14 +13,19 @@ FloatsLike = npt.ArrayLike
 _MOST = 2**31 - 1  # primitives of one call
 
 
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """The end of a message about an unknown name; empty if none of the known ones is alike."""
+    near = difflib.get_close_matches(name, known, 1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
 class Strict:
     """Refuses to set public attributes that the class has not: they are misspelt."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_") and not hasattr(type(self), name):
-            near = difflib.get_close_matches(name, [n for n in dir(type(self)) if n[0] != "_"], 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            raise AttributeError(f"raio.{type(self).__name__} has no attribute {name!r}{hint}")
+            near = did_you_mean(name, [n for n in dir(type(self)) if n[0] != "_"])
+            raise AttributeError(f"raio.{type(self).__name__} has no attribute {name!r}{near}")
         super().__setattr__(name, value)
 
 

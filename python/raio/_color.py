@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
-from ._arrays import Floats, numbers
+from ._arrays import Floats, did_you_mean, numbers
+from ._options import table
 
 # "white", "#ff8800", (r, g, b), (N, 3), (N, 4), or (N,) values for a colour map.
 ColorsLike = str | npt.ArrayLike
@@ -52,22 +53,25 @@ def colormap(cmap: Any) -> Floats:
         (256, 3)
     """
     if isinstance(cmap, str):
-        try:
+        own = table()["colormap"]["words"]
+        if cmap in own:
             return _raio.colormap(cmap)
-        except ValueError:
-            try:
-                import matplotlib
-            except ImportError:
-                raise ValueError(
-                    f"cmap: expected viridis, plasma, cividis or coolwarm, or matplotlib installed "
-                    f"for others; found {cmap!r}") from None
-            try:
-                cmap = matplotlib.colormaps[cmap]
-            except KeyError:
-                raise ValueError(f"cmap: matplotlib has no colour map {cmap!r}") from None
+        others = _matplotlib_maps()
+        if cmap not in others:
+            raise ValueError(f"cmap: expected {', '.join(own)} or, with matplotlib installed, a name in "
+                             f"matplotlib.colormaps; found {cmap!r}{did_you_mean(cmap, [*own, *others])}")
+        cmap = others[cmap]
     if not callable(cmap):
         raise TypeError(f"cmap: expected a name or a matplotlib Colormap, found {cmap!r}")
     return linear(np.asarray(cmap(np.linspace(0, 1, 256)))[:, :3])
+
+
+def _matplotlib_maps() -> Any:
+    try:
+        from matplotlib import colormaps
+    except ImportError:
+        return {}
+    return colormaps
 
 
 def one_color(name: str, value: Any) -> tuple[float, float, float]:
@@ -138,15 +142,29 @@ def paint(colors: Any, count: int, cmap: Any, vmin: float | None, vmax: float | 
     return Painted(each=all_columns[:, :3], opacity=opacity)
 
 
+def limits(values: Floats, vmin: float | None, vmax: float | None) -> tuple[float, float]:
+    """The values of a map's first and last colour: those given, else of the smallest and the largest value."""
+    if vmin is not None and vmax is not None:
+        if not vmin < vmax:
+            raise ValueError(f"vmin must be below vmax; found {vmin:g} and {vmax:g}")
+        return float(vmin), float(vmax)
+    finite: Any = values[np.isfinite(values)]
+    if not len(finite):
+        finite = [end for end in (vmin, vmax) if end is not None] or [0]
+    least = float(np.min(finite) if vmin is None else vmin)
+    most = float(np.max(finite) if vmax is None else vmax)
+    if least > most:
+        raise ValueError(f"the values are from {np.min(finite):g} to {np.max(finite):g}, beyond the end given: "
+                         "vmin must be below vmax; give both")
+    return least, most
+
+
 def _mapped(values: Floats, cmap: Any, vmin: float | None, vmax: float | None) -> Floats:
-    finite = values[np.isfinite(values)]
-    if len(finite) < len(values):
-        warnings.warn(f"colors: {len(values) - len(finite)} values are not finite; they get the map's "
-                      f"first colour", stacklevel=5)
-    least = float(finite.min()) if vmin is None and len(finite) else float(vmin or 0)
-    most = float(finite.max()) if vmax is None and len(finite) else float(vmax or 0)
-    if vmin is not None and vmax is not None and not vmin < vmax:
-        raise ValueError(f"vmin must be below vmax; found {vmin} and {vmax}")
+    bad = np.count_nonzero(~np.isfinite(values))
+    if bad:
+        warnings.warn(f"colors: {bad} values are not finite; they get the map's first colour",
+                      stacklevel=5)
+    least, most = limits(values, vmin, vmax)
     span = most - least
     share = (values - np.float32(least)) / np.float32(span) if span > 0 else np.full_like(values, 0.5)
     places = np.nan_to_num(share, nan=0, posinf=1, neginf=0).clip(0, 1) * np.float32(255)

@@ -3,12 +3,12 @@
 import errno
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Unpack
 
-from . import _raio
+from . import _annotations as annotations, _raio
 from ._film import Image, Path
-from ._options import settings, split
+from ._options import settings, split, with_keywords
 from ._progress import Progress, Reporter
 from ._render_options import FileOptions, ReadOptions
 from ._scene import Scene, SceneWarning
@@ -35,7 +35,7 @@ def load(path: Path, *, progress: Progress = False, **options: Unpack[ReadOption
 def render(path: Path, *, progress: Progress = False, **options: Unpack[FileOptions]) -> Image:
     """Reads a scene file and renders it: options as for load() and Scene.render()."""
     read, others = split(options)
-    settings(others)  # reports errors before the file is read
+    settings(annotations.split(others)[1])  # reports errors before the file is read
     return _load(path, progress, read, 4).render(progress=progress, **others)
 
 
@@ -58,10 +58,11 @@ def read_settings(options: Mapping[str, Any]) -> _raio.Settings:
     return settings(read)
 
 
-def scene_of(core: _raio.Scene, stacklevel: int) -> Scene:
+def scene_of(core: _raio.Scene, stacklevel: int,
+             worded: Callable[[str], str] = with_keywords) -> Scene:
     """A scene of what was read; its warnings name the caller that many levels up."""
     for text in core.warnings():
-        warnings.warn(text, SceneWarning, stacklevel=stacklevel)
+        warnings.warn(worded(text), SceneWarning, stacklevel=stacklevel)
     scene = Scene(background=None)
     scene._base = core
     return scene

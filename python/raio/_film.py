@@ -1,6 +1,7 @@
 """Films, which hold samples, and images, which are finished."""
 
 import os
+import threading
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -76,14 +77,14 @@ class Image:
         return f"<raio.Image of {width} x {height}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickle_image, (self._film.to_bytes(),)
+        return _unpickle_image, (self._film.to_bytes(), self._film.annotations())
 
 
 class Film:
     """A picture that is rendered bit by bit: it can be refined, stored, resumed and merged.
 
     By Scene.start() or load_film(). The samples may come in any portions and order, on any machine:
-    the result has the bytes of a single render.
+    the result has the bytes of a single render. Several threads may use a film: add() lets one work.
     """
 
     def __init__(self, film: "_raio.Film | None", scene: "Scene | None" = None,
@@ -91,6 +92,7 @@ class Film:
         self._film = film
         self._scene = scene
         self._options = options or {}
+        self._adding = threading.Lock()
 
     @property
     def samples(self) -> int:
@@ -108,8 +110,9 @@ class Film:
             raise ValueError("this film has no scene; give it to load_film()")
         if samples < 1:
             raise ValueError(f"samples: expected a whole number from 1 on, found {samples}")
-        options = dict(self._options, samples=self.samples + samples)
-        self._film = self._scene._render(options, progress, begun=self._film)
+        with self._adding:
+            options = dict(self._options, samples=self.samples + samples)
+            self._film = self._scene._render(options, progress, begun=self._film)
         return self
 
     def image(self) -> Image:
@@ -136,20 +139,29 @@ class Film:
         return f"<raio.Film with {self.samples} samples a pixel>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        data = None if self._film is None else self._film.to_bytes()
+        data = None if self._film is None else (self._film.to_bytes(), self._film.annotations())
         return _unpickle_film, (data, self._scene, self._options)
 
 
-def _unpickle_image(data: bytes) -> Image:
-    return Image(_raio.Film.from_bytes(data))
+def _unpickle_image(data: bytes, annotations: Any) -> Image:
+    return Image(_annotated(data, annotations))
 
 
-def _unpickle_film(data: bytes | None, scene: Any, options: dict[str, Any]) -> Film:
-    return Film(None if data is None else _raio.Film.from_bytes(data), scene, options)
+def _annotated(data: bytes, annotations: Any) -> _raio.Film:
+    film = _raio.Film.from_bytes(data)
+    color_bar, _, legend, scale_bar = annotations
+    if color_bar or legend or scale_bar:
+        film.annotate(annotations)
+    return film
+
+
+def _unpickle_film(data: Any, scene: Any, options: dict[str, Any]) -> Film:
+    return Film(None if data is None else _annotated(*data), scene, options)
 
 
 def load_film(path: Path, scene: "Scene | None" = None, **options: Any) -> Film:
-    """Reads a .raio file of samples. With its scene and options, samples can be added."""
+    """Reads a .raio file of samples. With its scene and options, samples can be added; only then are
+    annotations drawn, which such a file does not store."""
     return Film(_raio.Film.read(os.fspath(path)), scene, options)
 
 

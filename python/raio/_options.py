@@ -1,14 +1,15 @@
 """The options of the command line as keyword arguments."""
 
-import difflib
 import functools
 import os
+import re
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from . import _raio
+from ._arrays import did_you_mean
 
 
 @functools.cache
@@ -19,6 +20,17 @@ def table() -> dict[str, dict[str, Any]]:
 
 def _keyword(name: str) -> str:
     return "from_" if name == "from" else name.replace("-", "_")
+
+
+@functools.cache
+def _names() -> re.Pattern[str]:
+    dashed = sorted((o["name"] for o in table().values() if "-" in o["name"]), key=len, reverse=True)
+    return re.compile(rf"(?<![\w./-])(?:{'|'.join(dashed)})(?![\w/-]|\.\w)|^from(?=: )")
+
+
+def with_keywords(text: str) -> str:
+    """A text of the library, which names options as the command line does, with their keywords."""
+    return _names().sub(lambda name: _keyword(name[0]), text)
 
 
 def _text(keyword: str, option: Mapping[str, Any], value: Any) -> str:
@@ -51,9 +63,8 @@ def settings(options: Mapping[str, Any]) -> _raio.Settings:
     all_settings = _raio.Settings()
     for keyword, value in options.items():
         if keyword not in known:
-            near = difflib.get_close_matches(keyword, known, 1)
-            hint = f"; did you mean {near[0]}?" if near else "; help(raio.RenderOptions) lists them"
-            raise TypeError(f"unknown option {keyword!r}{hint}")
+            near = did_you_mean(keyword, known) or "; help(raio.RenderOptions) lists them"
+            raise TypeError(f"unknown option {keyword!r}{near}")
         if value is not None:
             all_settings.set(known[keyword]["name"], _text(keyword, known[keyword], value))
     return all_settings

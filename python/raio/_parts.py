@@ -6,8 +6,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
+from ._annotations import Scale
 from ._arrays import Floats, Strict, indices, numbers, per_row
-from ._color import Painted, paint
+from ._color import Painted, colormap, limits, paint
 from ._material import Material
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ class Part(Strict):
 
     @property
     def colors(self) -> Any:
-        """Colours as given: None, one colour, (N, 3), (N, 4), or (N,) values, which keep their map."""
+        """Colours as given: None, one colour, (N, 3), (N, 4), or (N,) values, which keep map and `clim`."""
         return self._colors
 
     @colors.setter
@@ -60,6 +61,21 @@ class Part(Strict):
         are_values = not isinstance(value, str) and np.ndim(value) == 1 and (
             self._map[0] is not None and np.shape(value) == np.shape(self._colors))
         self.recolor(value, *(self._map if are_values else (None, None, None)))
+
+    @property
+    def clim(self) -> tuple[float, float] | None:
+        """The values of the map's first and last colour; values beyond get these colours.
+
+        As in matplotlib, the first values set what was not given, and later ones do not change it:
+        pictures of a movie have one scale. Assign a pair to change it. None: there is no map, or all
+        values have been equal so far.
+        """
+        _, vmin, vmax = self._map
+        return None if vmin is None or vmax is None else (vmin, vmax)
+
+    @clim.setter
+    def clim(self, ends: tuple[float, float]) -> None:
+        self.recolor(self._colors, self._map[0], *ends)
 
     @property
     def opacity(self) -> Any:
@@ -83,7 +99,7 @@ class Part(Strict):
 
     def recolor(self, colors: Any, cmap: Any = None, vmin: float | None = None,
                 vmax: float | None = None) -> None:
-        """Other colours, perhaps through another colour map; arguments as for Scene.spheres()."""
+        """Other colours, perhaps with another map and range; arguments as for Scene.spheres()."""
         before, self._map = self._map, (cmap, vmin, vmax)
         try:
             self._set_colors(colors)
@@ -92,9 +108,19 @@ class Part(Strict):
             raise
         self._scene._change(geometry=False)
 
+    def _rows_of(self, colors: Any) -> int:
+        """The number of elements to which such colours belong."""
+        return self._count
+
     def _set_colors(self, colors: Any) -> None:
-        paint(colors, self._count, *self._map)  # reports errors now
+        rows = self._rows_of(colors)
+        paint(colors, rows, *self._map)  # reports errors now
         self._colors = _floats_of(colors)
+        cmap, *ends = self._map
+        if cmap is not None:
+            least, most = limits(numbers("colors", colors, None, rows), *ends)
+            if least < most:
+                self._map = (cmap, least, most)
 
     def _set_opacity(self, opacity: Any) -> None:
         if opacity is not None:
@@ -111,6 +137,14 @@ class Part(Strict):
         else:
             self._arrays[name] = numbers(name, value, width, self._count)
 
+    def _scales(self) -> list[Scale]:
+        """The scales of the values that are shown as colours."""
+        cmap, *ends = self._map
+        if cmap is None:
+            return []
+        least, most = limits(numbers("colors", self._colors, None), *ends)
+        return [("", least, most, colormap(cmap).ravel().tolist())]
+
     def _look(self, core: _raio.Scene) -> tuple[int, Floats | None, Floats | None]:
         """The number of the material in `core`, colours and opacities."""
         painted = paint(self._colors, self._count, *self._map)
@@ -125,6 +159,10 @@ class Part(Strict):
 
     def _add(self, core: _raio.Scene) -> None:
         raise NotImplementedError
+
+    def _rows_of_primitives(self, pool: str) -> npt.NDArray[np.int64] | None:
+        """The rows of what _add() adds to a pool (see Spans), or None: in their order."""
+        return None
 
 
 def _checked_material(material: Any) -> Any:
@@ -177,6 +215,37 @@ class Cones(Part):
 
     def _add(self, core: _raio.Scene) -> None:
         core.add_cones(self.starts, self.ends, self.start_radii, self.end_radii, *self._look(core))
+
+
+class Lines(Part):
+    """A polyline, by Scene.lines()."""
+
+    _columns = {"points": 3, "radius": None}
+    points: Floats = _array("points", "(N, 3), scene units.")
+    radius: Floats = _array("radius", "(N,), scene units.")
+
+    def _add(self, core: _raio.Scene) -> None:
+        number, colors, opacity = self._look(core)
+        core.add_spheres(self.points, self.radius, number, colors, opacity)
+        starts = self._starts()
+        if self._map[0] is not None:
+            values = numbers("colors", self._colors, None, self._count)
+            segments = paint(_between(values, starts), len(starts), *self._map).each
+        else:
+            segments = _between(colors, starts)
+        core.add_cones(self.points[starts], self.points[starts + 1], self.radius[starts],
+                       self.radius[starts + 1], number, segments, _between(opacity, starts))
+
+    def _starts(self) -> npt.NDArray[np.int64]:
+        # A segment needs a length.
+        return np.flatnonzero((self.points[1:] != self.points[:-1]).any(axis=1))
+
+    def _rows_of_primitives(self, pool: str) -> npt.NDArray[np.int64] | None:
+        return self._starts() if pool == "cone" else None
+
+
+def _between(rows: Floats | None, starts: npt.NDArray[np.int64]) -> Any:
+    return None if rows is None else (rows[starts] + rows[starts + 1]) / np.float32(2)
 
 
 class Ellipsoids(Part):
@@ -236,10 +305,6 @@ class Mesh(Part):
         is_by_face = colors is not None and np.shape(colors)[:1] == (self._count,)
         return self._count if is_by_face else self._vertex_count
 
-    def _set_colors(self, colors: Any) -> None:
-        paint(colors, self._rows_of(colors), *self._map)
-        self._colors = _floats_of(colors)
-
     def _add(self, core: _raio.Scene) -> None:
         rows = self._rows_of(self._colors)
         painted = paint(self._colors, rows, *self._map)
@@ -264,6 +329,9 @@ class Mesh(Part):
                 painted = Painted(one=(1.0, 1.0, 1.0), each=painted.each)
             core.add_mesh(self.vertices, self._triangles, self.normals, uv, painted.each,
                           self._number(core, painted, one))
+
+    def _rows_of_primitives(self, pool: str) -> npt.NDArray[np.int64] | None:
+        return np.tile(np.arange(self._count), 2) if self._are_quads else None
 
     def _per_triangle(self, of_faces: Floats) -> Floats:
         return np.concatenate((of_faces, of_faces)) if self._are_quads else of_faces
@@ -300,6 +368,9 @@ class Instances(Part):
         if colors is not None:
             raise ValueError("colors: instances have those of their object; change that")
         self._colors = None
+
+    def _scales(self) -> list[Scale]:
+        return self._object._scales()
 
     def _add(self, core: _raio.Scene) -> None:
         core.add_instances(core.add_prototype(self._object._core()), self.transforms)

@@ -5,6 +5,8 @@ from typing import Literal, TypedDict
 
 import numpy.typing as npt
 
+from ._annotations import AnnotationOptions
+
 
 class ReadOptions(TypedDict, total=False):
     """How raio.load() reads a file. None: the default.
@@ -16,7 +18,7 @@ class ReadOptions(TypedDict, total=False):
             numeric column of the file (default: element; chain for large assemblies)
         colormap: Colour map for numbers: viridis, plasma, cividis or coolwarm (default: viridis)
         color_range: Values at the two ends of the colour map (default: the smallest and the largest)
-        color_atoms: Colour these atoms, whatever color-by says, as in "chain A: navy; ligand: #c02020";
+        color_atoms: Colour these atoms, whatever color_by says, as in "chain A: navy; ligand: #c02020";
             the last one counts
         radius: Radius of points without one and of space-filling atoms, in scene units; ball-and-stick
             uses 0.27 of it (default: half the spacing of points; van der Waals radii of atoms)
@@ -53,7 +55,7 @@ class ReadOptions(TypedDict, total=False):
     frame: int | None
 
 
-class RenderOptions(TypedDict, total=False):
+class RenderOptions(AnnotationOptions, total=False):
     """How Scene.render() makes a picture. None: the default.
 
     Attributes:
@@ -94,12 +96,12 @@ class RenderOptions(TypedDict, total=False):
             scene's, else bvh (default: auto)
         grid_factor: Resolution of the uniform grid: M times the cube root of the number of primitives, in
             cells per side (default: 0.3; one cell for up to 32 primitives)
-        grid_resolution: Exact number of cells of the uniform grid; replaces grid-factor
+        grid_resolution: Exact number of cells of the uniform grid; replaces grid_factor
         aa: Antialiasing with N x N jittered samples per pixel; 1 is one ray through the centre (default:
             the scene's, else 1; figures have 64 samples)
         soft_shadows: Soft shadows, with integrator classic; lights become squares that face the point
             looked at
-        light_size: Side of the square lights of soft-shadows, in scene units, with integrator classic
+        light_size: Side of the square lights of soft_shadows, in scene units, with integrator classic
             (default: a tenth of the light's distance to the point looked at)
         dof: Depth of field; a thin lens replaces the pinhole (default: on if the scene has a lens)
         aperture: Lens radius for dof, in scene units (default: the scene's, else a fiftieth of the focus
@@ -108,7 +110,7 @@ class RenderOptions(TypedDict, total=False):
             distance to the point looked at)
         lens_samples: Rays per cell of a pixel, stratified over the lens and the lights (default: 1)
         samples: N samples per pixel over its whole area (through its centre with aa 1); implies sampler
-            sobol, replaces aa and lens-samples
+            sobol, replaces aa and lens_samples
         sampler: Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol
             sequence, well distributed after any number of samples (default: jitter; sobol with samples)
         depth: Maximum ray depth, with integrator classic; the eye ray is level 1 (default: 5)

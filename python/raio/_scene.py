@@ -9,17 +9,22 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raio
+from ._annotations import Annotations, Scale, split
 from ._arrays import FloatsLike, Strict, numbers, per_row, triple
 from ._color import ColorsLike, one_color
 from ._film import Film, Image, Path
 from ._material import Material
 from ._options import settings
-from ._parts import Cones, Discs, Ellipsoids, Instances, Mesh, Part, Spheres
+from ._parts import Cones, Discs, Ellipsoids, Instances, Lines, Mesh, Part, Spheres
 from ._progress import Progress, Reporter
-from ._rays import Hits
+from ._rays import KINDS, Hits
 from ._render_options import RenderOptions
 
 AnyPart = TypeVar("AnyPart", bound=Part)
+
+# The primitives of a part in each pool of the library's scene: the first, the one behind the last,
+# and the rows of the part's arrays to which they belong; None: in order.
+Spans = dict[str, tuple[int, int, npt.NDArray[np.int64] | None]]
 
 
 class SceneError(ValueError):
@@ -73,6 +78,7 @@ class Scene(Strict):
     def _start_caches(self) -> None:
         self._lock = threading.RLock()
         self._primitives: _raio.Scene | None = None  # without camera and lights
+        self._spans: dict[Part, Spans] = {}  # those of the parts in _primitives
         self._built: _raio.Scene | None = None
         self._geometry = 0  # counts changes of primitives
         self._accels: dict[tuple[Any, ...], tuple[_raio.Scene, int, _raio.Accel]] = {}
@@ -104,8 +110,8 @@ class Scene(Strict):
             opacity: a number or (N,), 0 to 1.
             material: the surface; None: matt.
             cmap: a colour map, see raio.colormap().
-            vmin: the value of its first colour; None: the smallest.
-            vmax: the value of its last colour; None: the largest.
+            vmin: the value of its first colour; None: the smallest of these, and it stays so (Part.clim).
+            vmax: the value of its last colour; None: the largest, likewise.
 
         Raises:
             TypeError: an argument is not numeric.
@@ -173,26 +179,27 @@ class Scene(Strict):
         part._arrays = {"starts": first, "ends": second, "start_radii": radius, "end_radii": radius}
         return self._append(part)
 
-    def lines(self, points: FloatsLike, radius: float, *, colors: Any = None,
-              opacity: FloatsLike | None = None, material: Material | None = None) -> Cones:
-        """Adds a polyline of round segments with round joints, and returns its segments.
+    def lines(self, points: FloatsLike, radius: FloatsLike, *, colors: Any = None,
+              opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+              vmin: float | None = None, vmax: float | None = None) -> Lines:
+        """Adds a polyline of round segments with round joints. Looks as for spheres(), per point.
 
         Args:
-            points: (N, 3), at least two.
-            radius: scene units.
-            colors: one for all.
-            opacity: one for all.
+            points: (N, 3), at least two, scene units.
+            radius: a number or (N,), scene units.
+            colors: as for spheres(); a segment has the mean of its ends, or the colour of their mean value.
+
+        Examples:
+            >>> import raio
+            >>> raio.Scene().lines([[0, 0, 0], [1, 0, 0], [1, 2, 0]], 0.1, colors=[0, 1, 3], cmap="plasma")
+            <raio.Lines of 3>
         """
         path = numbers("points", points, 3)
         if len(path) < 2:
             raise ValueError(f"points: expected at least two, found {len(path)}")
-        if np.ndim(opacity if opacity is not None else 1) or (
-                colors is not None and not isinstance(colors, str) and np.shape(colors) != (3,)):
-            raise ValueError("lines have one colour and one opacity")
-        look = {"colors": colors, "opacity": opacity, "material": material}
-        self.spheres(path, radius, **look)
-        moved = np.flatnonzero((path[1:] != path[:-1]).any(axis=1))
-        return self.cylinders(path[:-1][moved], path[1:][moved], radius, **look)
+        part = Lines(self, len(path), material, colors, opacity, cmap, vmin, vmax)
+        part._arrays = {"points": path, "radius": per_row("radius", radius, len(path))}
+        return self._append(part)
 
     def ellipsoids(self, centers: FloatsLike, axes: FloatsLike, *, colors: Any = None,
                    opacity: FloatsLike | None = None, material: Material | None = None,
@@ -263,12 +270,18 @@ class Scene(Strict):
         with self._lock:
             core = self._all_primitives()
             self._primitives = None  # a failure leaves half of the part
-            if len(part):
-                part._add(core)  # reports invalid numbers now
+            self._add(part, core)  # reports invalid numbers now
             self._parts.append(part)
             self._change(geometry=True)
             self._primitives = core
         return part
+
+    def _add(self, part: Part, core: _raio.Scene) -> None:
+        before = _counts(core)
+        if len(part):
+            part._add(core)
+        self._spans[part] = {pool: (before[pool], last, part._rows_of_primitives(pool))
+                             for pool, last in _counts(core).items() if last > before[pool]}
 
     def _remove(self, part: Part) -> None:
         with self._lock:
@@ -364,12 +377,13 @@ class Scene(Strict):
             progress: True shows a bar; or a function of the stage and its share, 0 to 1.
             options: every rendering option of the command line is a keyword: `size=(1920, 1080)`,
                 `samples=64`, `channels=["depth", "id"]`, `soft_shadows=True`; raio.RenderOptions lists
-                them.
+                them. `color_bar`, `legend` and `scale_bar` are those of raio.AnnotationOptions.
 
         Raises:
             TypeError: an option is unknown.
             ValueError: a value does not fit.
             MemoryError: the scene is too large.
+            RuntimeError: something is to be drawn on the picture, but Cairo is missing.
         """
         return Image(self._render(dict(options), progress))
 
@@ -379,7 +393,9 @@ class Scene(Strict):
             if name in options:
                 raise TypeError(f"{name} is not for start(): Film.add() takes the samples, and "
                                 "render() makes parts with sample_range")
-        settings(options)
+        marks, others = split(options)
+        Annotations(self, marks)
+        settings(others)
         return Film(None, self, dict(options))
 
     def save(self, path: Path) -> None:
@@ -395,6 +411,11 @@ class Scene(Strict):
         from .views import view
 
         return view(self, options)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """What was added, in this order; without the primitives of a file."""
+        return tuple(self._parts)
 
     @property
     def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
@@ -434,7 +455,11 @@ class Scene(Strict):
             4.0
         """
         starts, towards, limits = self._rays(origins, directions, lengths)
-        return Hits(**self._accel({}, None)[0].closest(starts, towards, limits, True))
+        with self._lock:
+            accel, core = self._accel({}, None)
+            spans, own_triangles = self._spans.copy(), core.count(KINDS.index("triangle"))
+        return Hits(**accel.closest(starts, towards, limits, True), _spans=spans,
+                    _own_triangles=own_triangles)
 
     def occluded(self, origins: FloatsLike, directions: FloatsLike,
                  lengths: FloatsLike | None = None) -> npt.NDArray[np.bool_]:
@@ -459,9 +484,9 @@ class Scene(Strict):
     def _all_primitives(self) -> _raio.Scene:
         if self._primitives is None:
             core = _raio.Scene() if self._base is None else _raio.Scene(self._base)
+            self._spans = {}
             for part in self._parts:
-                if len(part):
-                    part._add(core)
+                self._add(part, core)
             self._primitives = core
         return self._primitives
 
@@ -538,15 +563,26 @@ class Scene(Strict):
 
     def _render(self, options: dict[str, Any], progress: Progress,
                 begun: "_raio.Film | None" = None) -> _raio.Film:
+        marks, options = split(options)
+        annotations = Annotations(self, marks)
         wanted = self._with_defaults(options)
         all_settings = settings(wanted)
         with Reporter(progress) as reporter:
             accel, _ = self._accel(wanted, reporter.report)
-            return _raio.render(accel, all_settings, begun, reporter.report)
+            film = _raio.render(accel, all_settings, begun, reporter.report)
+        if annotations:
+            annotations.put_on(film)
+        return film
+
+    def _scales(self) -> list[Scale]:
+        """The scales of all values that are shown as colours."""
+        of_file = None if self._base is None else self._base.color_scale()
+        own = [] if of_file is None else [of_file]
+        return own + [scale for part in self._parts for scale in part._scales()]
 
     def __getstate__(self) -> dict[str, Any]:
         state = {name: value for name, value in self.__dict__.items()
-                 if name not in ("_lock", "_primitives", "_built", "_accels", "_geometry")}
+                 if name not in ("_lock", "_primitives", "_spans", "_built", "_accels", "_geometry")}
         state["_base"] = None if self._base is None else self._base.to_bytes()
         return state
 
@@ -555,6 +591,11 @@ class Scene(Strict):
         if state["_base"] is not None:
             self._base = _raio.Scene.from_bytes(state["_base"])
         self._start_caches()
+
+
+def _counts(core: _raio.Scene) -> dict[str, int]:
+    counts = {kind: core.count(k) for k, kind in enumerate(KINDS)}
+    return {**counts, "mesh": core.mesh_triangle_count(), "instance": core.instance_count()}
 
 
 def _pairs(starts: FloatsLike, ends: FloatsLike) -> Any:

@@ -18,7 +18,8 @@ from . import _raio
 from ._color import linear
 from ._files import read_settings, scene_of
 from ._material import Material
-from ._scene import Scene, SceneWarning
+from ._options import with_keywords
+from ._scene import Scene, SceneError, SceneWarning
 
 if TYPE_CHECKING:
     from ._render_options import ReadOptions
@@ -165,7 +166,18 @@ def from_biotite(atoms: Any, **options: "Unpack[ReadOptions]") -> Scene:
 
 
 def _read(text: str, name: str, options: Any) -> Scene:
-    return scene_of(_raio.Scene.parse(text.encode(), name, read_settings(options)), 4)
+    wanted = read_settings(options)
+    try:
+        core = _raio.Scene.parse(text.encode(), name, wanted)
+    except SceneError as error:
+        raise SceneError(_about_atoms(str(error))) from None
+    return scene_of(core, 4, _about_atoms)
+
+
+def _about_atoms(message: str) -> str:
+    """A message about the text of a file as one about the caller's object."""
+    message = re.sub(r"^atoms\.\w+(:\d+)*: (error: )?", "atoms: ", with_keywords(message))
+    return re.sub(r"\b(the|this) file\b", r"\1 object", message)
 
 
 def _checked(positions: Array) -> Array:

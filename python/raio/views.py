@@ -10,6 +10,7 @@ import tempfile
 import weakref
 from typing import TYPE_CHECKING, Any
 
+from ._annotations import split
 from ._film import Image
 from ._live import Live
 from ._options import _text, settings, table
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 def view(scene: "Scene", options: dict[str, Any]) -> Any:
     """Scene.view(). In a notebook with anywidget: a LiveView; without it: an Image. Elsewhere: opens
     the window and returns None when it is closed; RuntimeError if there is none."""
+    if annotations := split(options)[0]:
+        raise TypeError(f"{next(iter(annotations))} is for render(); views have no annotations")
     settings(options)  # reports errors now
     if not _is_in_notebook():
         _open_window(scene, options)

@@ -175,12 +175,15 @@ CALLS = [
     (lambda s: s.render(style="sticks"), r"reading a file"),
     (lambda s: s.render(integrator="pathological"), r"integrator: expected"),
     (lambda s: s.render(background=(1, 2)), r"background: expected"),
+    (lambda s: s.render(light_size=-1), r"^light_size: expected"),
+    (lambda s: s.render(from_=(1, 2)), r"^from_: expected"),
     (lambda s: s.render(aa=2, samples=3), r"aa|samples"),
     (lambda s: s.intersect(centers, centers[:4]), r"directions: .*\(5, 3\), found \(4, 3\)"),
     (lambda s: s.intersect(centers, centers * 0), r"ray 0: the direction is zero"),
     (lambda s: s.intersect(row(3, 0, NAN), centers + 1), r"ray 3: a number is not finite"),
     (lambda s: s.start(seed="many"), r"seed: expected"),
     (lambda s: raio.Scene(background="nothing"), None),
+    (lambda s: raio.colormap("virdis"), r"cmap: expected viridis, .*'virdis'; did you mean viridis\?"),
 ]
 
 
@@ -236,3 +239,11 @@ def test_classic_pictures_without_lights_are_reported():
     scene.spheres(centers, 1)
     with pytest.warns(UserWarning, match="no lights"):
         scene.render(size=(8, 6), integrator="classic")
+
+
+def test_messages_name_keywords_and_leave_files_alone():
+    from raio._options import with_keywords
+
+    assert with_keywords("soft-shadows.") == "soft_shadows."
+    for text in ("a/soft-shadows/b", "soft-shadows.nff", "not-soft-shadows", "light from above"):
+        assert with_keywords(text) == text

@@ -42,6 +42,10 @@ CASES = [
     ("knot.obj", {"outline": 2, "depth_cue": 0.5, "samples": 4}, ".png"),
     ("knot.obj", {"projection": "orthographic", "samples": 4, "exposure": 1}, ".png"),
     ("rings.nff", {"integrator": "views"}, ".png"),
+    ("fullerene.xyz", {"size": "160x120", "legend": True, "scale_bar": True, "samples": 4}, ".png"),
+    ("droplet.dump", {"size": "160x120", "color_by": "c_pe", "color_bar": True, "dpi": 90}, ".exr"),
+    ("fullerene.xyz", {"size": "160x120", "color_by": "index", "color_bar": True, "color_bar_side": "left",
+                       "colormap": "coolwarm", "background": "transparent", "samples": 4}, ".png"),
     ("lattice.nff", {"threads": 1, "counters": True}, ".png"),
 ]
 
@@ -57,15 +61,16 @@ def argument(option, value):
 
 @pytest.mark.parametrize("scene, options, suffix", CASES)
 def test_same_bytes(scene, options, suffix, program, tmp_path):
+    options = {"size": "60x45", **options}
     arguments = [word for option, value in options.items() for word in argument(option, value)]
     by_program, by_package = tmp_path / f"program{suffix}", tmp_path / f"package{suffix}"
-    subprocess.run([program, "render", SCENES / scene, "-o", by_program, "--size", "60x45", "--quiet",
-                    *arguments], check=True, stderr=subprocess.PIPE, text=True)
+    subprocess.run([program, "render", SCENES / scene, "-o", by_program, "--quiet", *arguments],
+                   check=True, stderr=subprocess.PIPE, text=True)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", raio.SceneWarning)
-        raio.render(SCENES / scene, size=(60, 45), **options).save(by_package)
+        raio.render(SCENES / scene, **options).save(by_package)
     assert by_package.read_bytes() == by_program.read_bytes()
     if suffix == ".png":
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", raio.SceneWarning)
-            assert raio.render(SCENES / scene, size=(60, 45), **options)._repr_png_() == by_program.read_bytes()
+            assert raio.render(SCENES / scene, **options)._repr_png_() == by_program.read_bytes()

@@ -68,14 +68,14 @@ def test_ase_values(ase, silent):
         for k, entry in ((0, 0), (1, 128), (2, 255)):
             shown = color(scene, (5 * k, 0, 9), (5 * k, 0, 0), (0, 1, 0))
             assert shown == pytest.approx(raio.colormap("viridis")[entry], abs=0.02)
-    with pytest.raises(raio.SceneError, match="f.3"):
+    with pytest.raises(raio.SceneError, match=r"^atoms: .*; the object has .*f\.3"):
         raio.from_ase(atoms, color_by="force")
 
 
 def test_ase_warns_and_refuses(ase):
     atoms = ase.Atoms("X", [[0, 0, 0]], cell=[3, 0, 0])
     with pytest.warns(raio.SceneWarning, match="three sides"), pytest.warns(
-            raio.SceneWarning, match="labels that are not elements") as told:
+            raio.SceneWarning, match="^atoms: warning: labels that are not elements") as told:
         raio.from_ase(atoms)
     assert told[0].filename == __file__
     shared = ase.Atoms("Cu", info={"occupancy": {"0": {"Cu": 0.75, "Au": 0.25}}})

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import raio
 from conftest import pixels
+from raio._color import paint
 
 
 def same(a, b):
@@ -270,6 +271,109 @@ def test_rays(cloud, rng):
     assert np.array_equal(scene.occluded(origins, towards), found)
     short = scene.intersect(origins, towards, 0.5)
     assert np.array_equal(np.isfinite(short.distance), found & (t.min(1) < 0.5))
+
+
+def test_hits_name_rows_of_parts(program):
+    with_triangles = raio.load(program.parents[2] / "scenes/knot.obj")
+    with_spheres = raio.load(program.parents[2] / "scenes/fullerene.xyz", style="ball-and-stick")
+    for scene in (raio.Scene(), with_triangles, with_spheres):
+        (_, _, _), (x, y, z) = scene.bounds or ((0, 0, 0), (0, 0, 0))
+
+        def at(k):  # places beside each other, outside of the file's primitives
+            return np.float32([[x + 10 * k, y + 9, z + 9], [x + 10 * k, y + 12, z + 9]])  # noqa: B023
+
+        def quads(k):
+            corners = np.concatenate([p + [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]] for p in at(k)])
+            return corners, np.arange(8).reshape(2, 4)
+
+        ball = raio.Scene()
+        ball.spheres([[0, 0, 0], [0, 0, 9]], 1)
+        moved = np.tile(np.eye(4), (2, 1, 1))
+        moved[:, :3, 3] = at(8)
+        parts = [scene.spheres(at(1), 1), scene.mesh(*quads(2), colors=np.eye(8)[:, :3]),
+                 scene.mesh(*quads(3)), scene.mesh(*quads(4), colors=np.eye(8)[:, 3:6]),
+                 scene.discs(at(5), [[0, 0, 1]] * 2, 1), scene.spheres(np.zeros((0, 3)), 1),
+                 scene.cylinders(at(6), at(6) + np.float32([0, 1, 0]), 0.5), scene.mesh(*quads(7)),
+                 scene.instances(ball, moved), scene.spheres(at(9), 1)]
+        targets = np.concatenate([at(k) + [0, 0.4, 0] for k in range(1, 10)])
+        hits = scene.intersect(targets + [0, 0, 1e3], np.tile([0, 0, -1], (18, 1)))
+        assert (hits.id >= 0).all()
+        columns = [p for p in parts if len(p)]
+        for part in parts:
+            expected = np.full(18, -1)
+            if len(part):
+                expected[2 * columns.index(part):][:2] = (0, 1)
+            assert hits.rows(part).tolist() == expected.tolist()
+        assert scene.parts == tuple(parts)
+        parts[0].remove()
+        assert hits.rows(parts[0])[1] == 1  # as they were traced
+        with pytest.raises(ValueError, match="was not in the scene"):
+            scene.intersect(targets, targets).rows(parts[0])
+        later = scene.intersect(targets + [0, 0, 1e3], np.tile([0, 0, -1], (18, 1)))
+        assert later.rows(parts[-1])[-2:].tolist() == [0, 1]
+
+
+def test_the_range_of_a_map_stays_until_another_is_given(cloud):
+    _, part, *_ = cloud
+
+    def shown():
+        return paint(part.colors, len(part), *part._map).each
+
+    viridis = raio.colormap("viridis")
+    values = np.linspace(0, 10, 50)
+    assert part.clim is None
+    part.recolor(np.ones(50), cmap="viridis")
+    assert part.clim is None and same(shown(), viridis[[128] * 50])
+    part.colors = values
+    assert part.clim == (0, 10)
+    part.colors = values / 2 + 10
+    assert part.clim == (0, 10) and same(shown(), viridis[[255] * 50])
+    part.colors[:] = 0
+    assert same(shown(), viridis[[0] * 50])
+    part.clim = (-5, 0)
+    assert same(shown(), viridis[[255] * 50])
+    part.recolor(values, cmap="viridis", vmin=-10)
+    assert part.clim == (-10, 10)
+    for wrong in ({"vmin": 11}, {"vmax": -1}, {"vmin": 3, "vmax": 3}):
+        with pytest.raises(ValueError, match="vmin must be below vmax"):
+            part.recolor(values, cmap="viridis", **wrong)
+    assert part.clim == (-10, 10)
+    part.colors = "red"
+    assert part.clim is None
+    with pytest.raises(ValueError, match="give cmap"):
+        part.clim = (0, 1)
+
+
+def test_lines_are_coloured_by_points(rng):
+    path = np.float32([[0, 0, 0], [0, 0, 0], [2, 0, 0], [2, 0, 2]])
+    values = np.array([0, 1, 3, 5])
+
+    def picture(add):
+        scene = raio.Scene()
+        add(scene)
+        scene.look(direction=(0, 1, 0))
+        return pixels(scene)
+
+    def by_hand(joints, segments, cmap=None, vmax=None):
+        def add(scene):
+            scene.spheres(path, 0.2, colors=joints, cmap=cmap, vmin=cmap and 0, vmax=vmax)
+            scene.cylinders(path[1:-1], path[2:], 0.2, colors=segments, cmap=cmap, vmin=cmap and 0, vmax=vmax)
+        return picture(add)
+
+    def lines(**look):
+        return picture(lambda scene: scene.lines(path, 0.2, **look))
+
+    assert same(lines(colors="red"), by_hand("red", "red"))
+    assert same(lines(colors=values, cmap="viridis"), by_hand(values, [2, 4], "viridis", 5))
+    colors = rng.random((4, 3)).astype(np.float32)
+    assert same(lines(colors=colors), by_hand(colors, (colors[1:-1] + colors[2:]) / np.float32(2)))
+    scene = raio.Scene()
+    part = scene.lines(path, [0.1, 0.1, 0.2, 0.3])
+    hits = scene.intersect([[1, 5, 0], [2, 5, 1], [2, 5, 2.2], [0, 5, 9]], [[0, -1, 0]] * 4)
+    assert hits.rows(part).tolist() == [1, 2, 3, -1]
+    assert hits.position[0, 1] < hits.position[1, 1]  # it widens
+    part.points = path[::-1]
+    assert scene.intersect([[1, 5, 0]], [[0, -1, 0]]).rows(part).tolist() == [1]
 
 
 def test_pickles_are_the_same_scene(cloud, program):

@@ -134,7 +134,7 @@ def test_shows_errors_and_lives_on():
     with FrontEnd(scene, size=(32, 24), samples=1, accel="grid", grid_factor=-1) as front:
         front.say("hello")
         message, _ = front.next()
-        assert message["type"] == "error" and "grid-factor" in message["text"]
+        assert message["type"] == "error" and "grid_factor" in message["text"]
         del front.live._options["grid_factor"]
         front.live.refresh()
         front.frame(is_complete)

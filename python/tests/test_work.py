@@ -216,6 +216,18 @@ def test_films_are_refined_stored_resumed_and_merged(cloud, tmp_path):
         merged.add(1)
 
 
+def test_threads_may_add_to_one_film(cloud):
+    scene, *_ = cloud
+    film = scene.start(size=(40, 30))
+    threads = [threading.Thread(target=film.add, args=(n,)) for n in (1, 2, 3, 4, 5, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert film.samples == 16
+    assert np.array_equal(film.image().numpy(), pixels(scene, samples=16))
+
+
 def test_images_have_channels_settings_and_formats(cloud, tmp_path):
     scene, *_ = cloud
     image = scene.render(size=(40, 30), samples=4, channels=["depth", "id", "normal", "alpha"],

@@ -32,6 +32,10 @@ std::string absence_of_effects(const BenchmarkRequest& request, const Scene& sce
 /// Three significant digits, never an exponent: "0.0123", "4.56", "98.4", "1260".
 std::string three_digits(double value);
 
+/// "12.3 ms" next to a bar, "10 ms" at an axis.
+std::string seconds_label(double seconds);
+std::string tick_label(double seconds);
+
 /// For people, in at most 100 columns with the report's effects: the table, the structures, and the
 /// verdicts on the report's claims.
 std::string table_text(const BenchmarkTable& table);

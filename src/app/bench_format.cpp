@@ -170,6 +170,16 @@ std::string claims_text(const BenchmarkTable& table) {
 
 }  // namespace
 
+std::string seconds_label(double s) {
+  return s < 1 ? three_digits(s * 1000) + " ms" : three_digits(s) + " s";
+}
+
+std::string tick_label(double s) {
+  return s < 0.999e-3 ? fmt::format("{:g} µs", s * 1e6)
+         : s < 0.999  ? fmt::format("{:g} ms", s * 1000)
+                      : fmt::format("{:g} s", s);
+}
+
 std::string three_digits(double value) {
   if (!(value > 0) || !std::isfinite(value)) return fmt::format("{:.0f}", value);
   const int before_point = int(std::floor(exact_log10(value))) + 1;

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/canvas.h"
 #include "app/commands.h"
+#include "draw/canvas.h"
 #include "integrate/explain.h"
 #include "render/options.h"
 

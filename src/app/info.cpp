@@ -4,13 +4,13 @@
 #include <cmath>
 #include <ranges>
 
-#include "app/annotations.h"
 #include "app/commands.h"
 #include "app/json.h"
 #include "app/output.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
 #include "base/exact_math.h"
+#include "draw/annotations.h"
 #include "io/fit_camera.h"
 #include "io/scene_file.h"
 #include "render/options.h"

@@ -20,8 +20,8 @@ struct Annotations {
 /// Those of `raio render`: " --legend --scale-bar".
 std::string arguments_of(const Annotations& wanted);
 
-/// Draws them (app/annotations.h) on a picture with these settings of what was read; empty if there
-/// are none. A colour bar needs a scale, and a legend names.
+/// Draws them (draw/annotations.h) on a picture with these settings of what was read; empty if
+/// there are none. A colour bar needs a scale, and a legend names.
 Overlay overlay_of(const Annotations& wanted, const ReadScene& read,
                    const RenderSettings& settings);
 

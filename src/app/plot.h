@@ -5,7 +5,7 @@
 #include <expected>
 #include <string>
 
-#include "app/canvas.h"
+#include "draw/canvas.h"
 #include "measure/benchmark.h"
 
 namespace raio::core::app {

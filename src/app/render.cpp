@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "app/annotations.h"
 #include "app/commands.h"
 #include "app/output.h"
 #include "app/statistics.h"
 #include "app/terminal.h"
 #include "app/warnings.h"
 #include "base/executor.h"
+#include "draw/annotations.h"
 #include "io/scene_file.h"
 #include "render/job_start.h"
 #include "render/turntable.h"

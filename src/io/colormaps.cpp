@@ -150,6 +150,11 @@ std::expected<MappedColors, std::string> map_colors(std::span<const float> value
   return out;
 }
 
+Rgb scale_color(const ColorScale& scale, int i) {
+  if (!scale.colors.empty()) return scale.colors[size_t(i)];
+  return map_color(scale.map, float(i) / (kMapColors - 1)).value_or(Rgb());
+}
+
 std::string scale_text(const ColorScale& scale, double value) {
   const double length = std::abs(scale.most - scale.least);
   const double largest = std::max(std::abs(scale.least), std::abs(scale.most));

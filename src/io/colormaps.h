@@ -26,7 +26,10 @@ struct ColorScale {
   std::string name;  // of the numbers
   std::string map;
   double least = 0, most = 0;
+  std::vector<Rgb> colors = {};  // kMapColors, of a map without a name; empty: those of `map`
 };
+/// One of its kMapColors colours.
+Rgb scale_color(const ColorScale& scale, int i);
 /// A number of the scale, with enough digits to distinguish its ends.
 std::string scale_text(const ColorScale& scale, double value);
 

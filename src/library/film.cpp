@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "draw/annotations.h"
+#include "draw/marks.h"
 #include "library/library.h"
 #include "render/picture.h"
 #include "render/provenance.h"
@@ -32,8 +34,9 @@ using namespace core::library;  // NOLINT(google-build-using-namespace)
 Film::Film(std::unique_ptr<Data> data) : data_(std::move(data)) {}
 Film::Film(const Film& other) {
   guarded_work(other.data_->threads, [&] {
-    const auto& [part, shards, threads, name] = *other.data_;
-    data_ = std::make_unique<Data>(Data{{part.header, copy_of(*part.film)}, shards, threads, name});
+    const auto& [part, shards, threads, name, scale, annotations] = *other.data_;
+    data_ = std::make_unique<Data>(
+        Data{{part.header, copy_of(*part.film)}, shards, threads, name, scale, annotations});
   });
 }
 Film& Film::operator=(const Film& other) { return *this = Film(other); }
@@ -56,9 +59,23 @@ std::unique_ptr<Film::Data> taken(std::expected<Part, core::Error> part, const s
   return std::make_unique<Film::Data>(Film::Data{std::move(*part), shards, 0, name});
 }
 
+Overlay overlay_of(const Annotations& wanted) {
+  Marks marks{.bar_at_left = wanted.color_bar_at_left};
+  if (const auto& bar = wanted.color_bar) {
+    marks.color_bar = {bar->name, "", bar->least, bar->most};
+    for (size_t i = 0; i < bar->colors.size(); i += 3)
+      marks.color_bar->colors.emplace_back(bar->colors[i], bar->colors[i + 1], bar->colors[i + 2]);
+  }
+  for (const auto& [name, color] : wanted.legend) marks.legend.push_back({name, rgb(color)});
+  if (const auto& bar = wanted.scale_bar) marks.scale_bar = {bar->pixels_per_unit, bar->unit};
+  return [marks = std::move(marks)](Picture& picture, bool linear) {
+    return draw_marks(picture, marks, linear);
+  };
+}
+
 // The picture with what a file of this name can hold.
-Picture picture_for(const Part& part, const std::string& name) {
-  auto picture = finished_picture(part, name);
+Picture picture_for(const Film::Data& film, const std::string& name) {
+  auto picture = finished_picture(film.part, name, overlay_of(film.annotations));
   if (!picture) fail(picture.error());
   const auto format = image_format(name);
   if (format && *format != ImageFormat::exr && *format != ImageFormat::npz) picture->layers.clear();
@@ -89,7 +106,7 @@ void Film::write(const std::string& path) const {
         refuse(lacks + "; merge films that have them, continue the film, or write a part (.raio)");
     const auto done = is_part_path(path)
                           ? write_part(path, part.header, *part.film)
-                          : write_image(picture_for(part, path), path, part.header.settings);
+                          : write_image(picture_for(*data_, path), path, part.header.settings);
     if (!done) fail(done.error());
   });
 }
@@ -101,10 +118,10 @@ Film Film::merge(std::vector<Film> films) {
     auto whole = std::make_unique<Data>();
     whole->threads = films.front().data_->threads;
     for (const Film& film : films) {
-      auto& [part, shards, threads, name] = *film.data_;
-      whole->shards = std::max(whole->shards, shards);
-      parts.push_back(
-          {name.empty() ? fmt::format("film {}", parts.size() + 1) : name, std::move(part)});
+      Data& one = *film.data_;
+      whole->shards = std::max(whole->shards, one.shards);
+      parts.push_back({one.name.empty() ? fmt::format("film {}", parts.size() + 1) : one.name,
+                       std::move(one.part)});
     }
     auto merged = merge_parts(parts);
     if (!merged) fail(merged.error());
@@ -157,6 +174,32 @@ Film& Film::set(std::string_view name, std::string_view value) {
 
 Film& Film::set(std::string_view name, double value) { return set(name, fmt::format("{}", value)); }
 
+double Film::pixels_per_unit() const { return data_->pixels_per_unit; }
+
+Film& Film::annotate(Annotations wanted) {
+  guarded([&] {
+    if (const std::string why = drawing_problem(); !why.empty())
+      throw Error(ErrorKind::no_resource, why);
+    const RenderOptions options = options_of(data_->part);
+    if ((wanted.color_bar || !wanted.legend.empty()) && options.view != View::picture)
+      refuse("a view has its own colours, so no colour bar and no legend");
+    if (!wanted.legend.empty() && !has_room_for_legend(width(), height(), options.dpi))
+      refuse(
+          fmt::format("a picture of {}x{} pixels has no room for a legend; make it larger, or dpi "
+                      "smaller",
+                      width(), height()));
+    if (wanted.color_bar && wanted.color_bar->colors.size() != size_t(3) * kMapColors)
+      refuse(fmt::format("a colour scale has {} colours of three numbers each; found {} numbers",
+                         kMapColors, wanted.color_bar->colors.size()));
+    if (wanted.scale_bar && !(wanted.scale_bar->pixels_per_unit > 0))
+      refuse("the film was read or merged, so the size of a scene unit in it is unknown");
+    data_->annotations = std::move(wanted);
+  });
+  return *this;
+}
+
+const Annotations& Film::annotations() const { return data_->annotations; }
+
 int Film::width() const { return data_->part.film->width(); }
 int Film::height() const { return data_->part.film->height(); }
 
@@ -179,7 +222,8 @@ std::vector<float> Film::rgba() const {
 
 std::vector<uint8_t> Film::display() const {
   return guarded_work(data_->threads, [&] {
-    const auto picture = finished_picture(data_->part, "picture.png");
+    const auto picture =
+        finished_picture(data_->part, "picture.png", overlay_of(data_->annotations));
     if (!picture) fail(picture.error());
     const auto& [color, alpha, layers, dpi] = *picture;
     std::vector<uint8_t> out(4 * color.pixels.size());
@@ -193,10 +237,15 @@ std::vector<uint8_t> Film::display() const {
   });
 }
 
+std::string drawing_problem() {
+  const auto can = check_drawing();
+  return can ? "" : can.error();
+}
+
 std::string Film::encode(std::string_view format) const {
   return guarded_work(data_->threads, [&] {
     const std::string name = "picture" + std::string(format);
-    auto bytes = encode_image(picture_for(data_->part, name), name, data_->part.header.settings);
+    auto bytes = encode_image(picture_for(*data_, name), name, data_->part.header.settings);
     if (!bytes) fail(bytes.error());
     return *std::move(bytes);
   });

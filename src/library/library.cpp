@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "draw/marks.h"
 #include "integrate/color_text.h"
 #include "io/colormaps.h"
 #include "render/job_options.h"
@@ -174,8 +175,8 @@ struct Job::Data {
   Data(JobRequest request, std::optional<Film> begun) : job(std::move(request)) {
     std::optional<NamedPart> part;
     if (begun) {
-      auto& [film, shards, threads, name] = *begun->data_;
-      part = NamedPart{name.empty() ? "the film" : name, std::move(film)};
+      Film::Data& film = *begun->data_;
+      part = NamedPart{film.name.empty() ? "the film" : film.name, std::move(film.part)};
     }
     if (const auto done = job.prepare(std::move(part)); !done) fail(done.error());
     header = job.part().header;
@@ -186,6 +187,14 @@ struct Job::Data {
   std::function<void(const Progress&)> on_progress = {};
   std::mutex mutex = {};  // guards the following, and the job's film
   bool is_done = false;   // run() has taken the film
+
+  Film::Data film(Part part) const {
+    const RenderSettings& settings = job.settings();
+    return {.part = std::move(part),
+            .shards = header.shards,
+            .threads = settings.threads,
+            .pixels_per_unit = core::pixels_per_unit(settings)};
+  }
 };
 
 namespace {
@@ -331,8 +340,7 @@ Film Job::run() {
   return guarded([&] {
     const std::lock_guard lock(data_->mutex);
     data_->is_done = true;
-    return Film(std::make_unique<Film::Data>(
-        Film::Data{job.take_part(), data_->header.shards, job.settings().threads}));
+    return Film(std::make_unique<Film::Data>(data_->film(job.take_part())));
   });
 }
 
@@ -340,9 +348,8 @@ Film Job::film() const {
   return guarded([&] {
     const std::lock_guard lock(data_->mutex);
     if (data_->is_done) refuse("run() has returned the film");
-    const RenderJob& job = data_->job;
-    return Film(std::make_unique<Film::Data>(Film::Data{
-        {data_->header, copy_of(*job.part().film)}, data_->header.shards, job.settings().threads}));
+    return Film(std::make_unique<Film::Data>(
+        data_->film({data_->header, copy_of(*data_->job.part().film)})));
   });
 }
 

@@ -61,6 +61,10 @@ struct Scene::Data {
   std::vector<std::string> warnings;
   bool has_background = false;                  // was set; data files have none
   core::ReadOptions read = core::kForPictures;  // of its file
+  // The meaning of colours and lengths, as the reader found it.
+  std::optional<core::ColorScale> colors = {};
+  std::vector<core::LegendEntry> legend = {};
+  std::string unit = {};
 };
 
 // Members that were not set have their defaults.
@@ -68,9 +72,11 @@ struct Settings::Data : core::JobRequest {};
 
 struct Film::Data {
   core::Part part;
-  uint32_t shards = 1;    // of the picture
-  int threads = 0;        // of the job
-  std::string name = {};  // of its file; empty: none
+  uint32_t shards = 1;         // of the picture
+  int threads = 0;             // of the job
+  std::string name = {};       // of its file; empty: none
+  double pixels_per_unit = 0;  // 0: unknown
+  Annotations annotations = {};
 };
 
 struct Accel::Data {

@@ -33,6 +33,8 @@ std::unique_ptr<Scene::Data> taken(std::expected<ReadScene, Diagnostics> read) {
   }
   auto data = std::make_unique<Scene::Data>(Scene::Data{std::move(read->scene), {}});
   for (const Diagnostic& warning : read->notices) data->warnings.push_back(warning.text());
+  data->colors = std::move(read->colors), data->legend = std::move(read->legend);
+  data->unit = std::move(read->unit);
   return data;
 }
 
@@ -105,6 +107,20 @@ Scene Scene::from_bytes(std::string_view bytes, std::shared_ptr<const void> keep
 }
 
 const std::vector<std::string>& Scene::warnings() const { return data_->warnings; }
+
+std::optional<ColorScale> Scene::color_scale() const {
+  if (!data_->colors) return std::nullopt;
+  const core::ColorScale& scale = *data_->colors;
+  return ColorScale{scale.name, scale.least, scale.most, colormap(scale.map)};
+}
+
+std::vector<LegendEntry> Scene::legend() const {
+  std::vector<LegendEntry> entries;
+  for (const auto& [name, color] : data_->legend) entries.push_back({name, triple(Vec3d(color))});
+  return entries;
+}
+
+const std::string& Scene::unit() const { return data_->unit; }
 
 void Scene::set_camera(const Camera& camera) {
   core::Scene& scene = data_->scene;
@@ -691,6 +707,22 @@ void Scene::add_instances(const Column<uint32_t>& prototypes, const Column<float
 }
 
 size_t Scene::primitive_count() const { return data_->scene.primitive_count(); }
+
+size_t Scene::count(Kind kind) const {
+  size_t count = 0, k = 0;
+  for_each_pool([&](auto pool) {  // in the order of Kind
+    if (k++ == size_t(kind)) count = (data_->scene.*pool.shapes).size();
+  });
+  return count;
+}
+
+size_t Scene::mesh_triangle_count() const {
+  size_t count = 0;
+  for (const Mesh& mesh : data_->scene.meshes) count += mesh.triangles.size();
+  return count;
+}
+
+size_t Scene::instance_count() const { return data_->scene.instances.size(); }
 
 std::optional<std::array<Triple, 2>> Scene::bounds() const { return bounds_of(data_->scene); }
 

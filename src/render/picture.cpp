@@ -96,11 +96,11 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
   return write_image(picture, path, settings);
 }
 
-std::expected<Picture, Error> finished_picture(const Part& part,
-                                               const std::filesystem::path& name) {
+std::expected<Picture, Error> finished_picture(const Part& part, const std::filesystem::path& name,
+                                               const Overlay& overlay) {
   auto picture = picture_of(part, name);
   if (picture)
-    if (auto done = finish(*picture, name, part.header.settings, {}); !done)
+    if (auto done = finish(*picture, name, part.header.settings, overlay); !done)
       return std::unexpected(std::move(done.error()));
   return picture;
 }

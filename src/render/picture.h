@@ -35,7 +35,8 @@ std::expected<void, Error> write_picture(Picture picture, const std::filesystem:
                                          const Metadata& settings, const Overlay& overlay = {});
 
 /// The picture of a part with its settings, as write_picture() writes it to a file of this name.
-std::expected<Picture, Error> finished_picture(const Part& part, const std::filesystem::path& name);
+std::expected<Picture, Error> finished_picture(const Part& part, const std::filesystem::path& name,
+                                               const Overlay& overlay = {});
 
 /// Why a picture with these channels, or a part file if the suffix is that of one, cannot be
 /// written to `path`: an unknown suffix, a format without the channels (bad_input), an unwritable

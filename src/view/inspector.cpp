@@ -289,8 +289,7 @@ std::function<std::expected<std::string, std::string>()> Inspector::drawing(
     app::Explained what = found->explained();
     if (suffix == ".json") return app::explained_json(what);
     what.plot_camera = camera;
-    return app::draw_explained(what,
-                               suffix == ".svg" ? app::PlotFormat::svg : app::PlotFormat::png);
+    return app::draw_explained(what, suffix == ".svg" ? PlotFormat::svg : PlotFormat::png);
   };
 }
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include "app/annotations.h"
 #include "base/exact_math.h"
+#include "draw/annotations.h"
 #include "integrate/camera.h"
 #include "integrate/classic.h"
 #include "io/atoms/labels.h"
@@ -146,7 +146,7 @@ app::Annotations ViewState::annotations_of(const RenderOptions& picture) const {
   some.scale_bar &= file != nullptr;
   if (!some.legend) return some;
   const RenderSettings s = resolve_options(picture, *scene);
-  some.legend = app::has_room_for_legend(s.width, s.height, s.dpi);
+  some.legend = has_room_for_legend(s.width, s.height, s.dpi);
   return some;
 }
 

@@ -7,13 +7,13 @@
 #include <span>
 #include <string>
 
-#include "app/canvas.h"
 #include "base/error.h"
+#include "draw/canvas.h"
 #include "io/colormaps.h"
 #include "io/image/image.h"
 #include "io/read_scene.h"
 
-namespace raio::core::app {
+namespace raio::core {
 
 /// A picture of the scale for a figure: its colours with numbers below and their name above.
 std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, PlotFormat format);
@@ -35,4 +35,4 @@ bool has_room_for_legend(int width, int height, float dpi);
 std::expected<void, Error> draw_scale_bar_on(Picture& picture, double pixels_per_unit,
                                              std::string_view unit, bool linear);
 
-}  // namespace raio::core::app
+}  // namespace raio::core

@@ -1,4 +1,4 @@
-#include "app/canvas.h"
+#include "draw/canvas.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -11,18 +11,17 @@
 #include <numbers>
 #include <vector>
 
-#include "app/bench.h"
 #include "base/lazy_library.h"
 #include "io/file.h"
 
-namespace raio::core::app {
+namespace raio::core {
 
 namespace {
 
 // Only drawing a plot loads it, with its fifteen dependencies.
 constexpr char kCairo[] = "libcairo.so.2";
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned int size) {
+cairo_status_t write_to(void* bytes, const unsigned char* data, unsigned int size) {
   try {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), size);
     return CAIRO_STATUS_SUCCESS;
@@ -37,12 +36,12 @@ cairo_surface_t* make_surface(PlotFormat format, double width, double height, st
       return call<kCairo, cairo_image_surface_create>(CAIRO_FORMAT_RGB24, int(width), int(height));
     case PlotFormat::svg: {
       auto* surface =
-          call<kCairo, cairo_svg_surface_create_for_stream>(append, &bytes, width, height);
+          call<kCairo, cairo_svg_surface_create_for_stream>(write_to, &bytes, width, height);
       call<kCairo, cairo_svg_surface_set_document_unit>(surface, CAIRO_SVG_UNIT_PX);
       return surface;
     }
     case PlotFormat::pdf:
-      return call<kCairo, cairo_pdf_surface_create_for_stream>(append, &bytes, width, height);
+      return call<kCairo, cairo_pdf_surface_create_for_stream>(write_to, &bytes, width, height);
   }
   return nullptr;
 }
@@ -178,16 +177,6 @@ void Canvas::set_font(double size, bool bold) const {
   call<kCairo, cairo_set_font_size>(cairo_, size);
 }
 
-std::string seconds_label(double s) {
-  return s < 1 ? three_digits(s * 1000) + " ms" : three_digits(s) + " s";
-}
-
-std::string tick_label(double s) {
-  return s < 0.999e-3 ? fmt::format("{:g} µs", s * 1e6)
-         : s < 0.999  ? fmt::format("{:g} ms", s * 1000)
-                      : fmt::format("{:g} s", s);
-}
-
 std::string valid_utf8(const std::string& text) {
   using nlohmann::json;
   const auto replace = json::error_handler_t::replace;
@@ -240,7 +229,7 @@ std::expected<std::string, std::string> draw_page(PlotFormat format,
   draw(canvas);
   cairo_status_t status = call<kCairo, cairo_status>(cairo.get());
   if (status == CAIRO_STATUS_SUCCESS && format == PlotFormat::png)
-    status = call<kCairo, cairo_surface_write_to_png_stream>(surface.get(), append, &bytes);
+    status = call<kCairo, cairo_surface_write_to_png_stream>(surface.get(), write_to, &bytes);
   call<kCairo, cairo_surface_finish>(surface.get());
   if (status == CAIRO_STATUS_SUCCESS) status = call<kCairo, cairo_surface_status>(surface.get());
   if (status == CAIRO_STATUS_SUCCESS) return bytes;
@@ -248,4 +237,4 @@ std::expected<std::string, std::string> draw_page(PlotFormat format,
       fmt::format("cannot draw the plot: {}", call<kCairo, cairo_status_to_string>(status)));
 }
 
-}  // namespace raio::core::app
+}  // namespace raio::core

@@ -1,4 +1,4 @@
-#include "app/annotations.h"
+#include "draw/annotations.h"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 #include "base/exact_math.h"
 #include "base/srgb.h"
 
-namespace raio::core::app {
+namespace raio::core {
 namespace {
 
-constexpr double kPageWidth = 640, kPageHeight = 130;
+constexpr double kBarWidth = 640, kBarHeight = 130;
 constexpr double kLeft = 40, kRight = 600, kTop = 46, kBottom = 82;
 constexpr double kLabelWidth = 75;
 constexpr int kTicks = 6;  // approximate number
@@ -58,10 +58,6 @@ std::vector<Tick> ticks_of(const ColorScale& scale) {
 Ink ink_of(Rgb linear) {
   const auto display = [](float x) { return int(to_byte(srgb_from_linear(x))); };
   return {display(linear.x), display(linear.y), display(linear.z)};
-}
-
-Ink map_ink(const ColorScale& scale, int i) {
-  return ink_of(map_color(scale.map, float(i) / (kMapColors - 1)).value_or(Rgb()));
 }
 
 // Sizes of all annotations, in pixels.
@@ -159,7 +155,7 @@ void draw_upright(const Canvas& canvas, const ColorScale& scale, const Layout& a
   for (int i = kMapColors; i-- > 0;)
     // To the lower end, so that no gap is visible between two of them.
     canvas.box(x, bottom - at.height * (i + 1) / kMapColors, at.width,
-               at.height * (i + 1) / kMapColors, map_ink(scale, i));
+               at.height * (i + 1) / kMapColors, ink_of(scale_color(scale, i)));
   for (const Tick& tick : ticks) {
     const double y = bottom - tick.part * at.height;
     canvas.line(x + at.width, y, x + at.width + at.tick, y, ink, at.line);
@@ -253,14 +249,14 @@ std::expected<std::string, std::string> draw_color_bar(const ColorScale& scale, 
     for (int i = 0; i < kMapColors; ++i)
       // To the right end, so that no gap is visible between two of them.
       canvas.box(kLeft + i * width, kTop, kRight - kLeft - i * width, kBottom - kTop,
-                 map_ink(scale, i));
+                 ink_of(scale_color(scale, i)));
     for (const Tick& tick : ticks_of(scale)) {
       const double at = kLeft + tick.part * (kRight - kLeft);
       canvas.line(at, kBottom, at, kBottom + 7, kBlack, 1.5);
       canvas.text(at, kBottom + 22, tick.text, kBlack, Align::center, kText, false, kLabelWidth);
     }
   };
-  return draw_page(format, draw, kPageWidth, kPageHeight);
+  return draw_page(format, draw, kBarWidth, kBarHeight);
 }
 
-}  // namespace raio::core::app
+}  // namespace raio::core

@@ -1,4 +1,4 @@
-// A page for plots: Cairo with a few strokes, colours, and output formats.
+// A page for plots and annotations: Cairo with a few strokes, colours, and output formats.
 #pragma once
 
 #include <expected>
@@ -11,9 +11,9 @@
 
 struct _cairo;  // cairo_t; NOLINT(bugprone-reserved-identifier)
 
-namespace raio::core::app {
+namespace raio::core {
 
-inline constexpr double kWidth = 1600, kHeight = 1000;
+inline constexpr double kPageWidth = 1600, kPageHeight = 1000;
 inline constexpr double kText = 19;  // size of most text
 inline constexpr double kMarkerRadius = 10;
 
@@ -38,7 +38,7 @@ class Canvas {
 
   /// `y` is the middle of the small letters. Text wider than `max_width` is set smaller.
   void text(double x, double y, const std::string& text, Ink ink, Align align = Align::left,
-            double size = kText, bool bold = false, double max_width = kWidth) const;
+            double size = kText, bool bold = false, double max_width = kPageWidth) const;
   /// The same, with a rim in another ink for contrast with the background.
   void rimmed_text(double x, double y, const std::string& text, Ink ink, Ink rim, Align align,
                    double size, double max_width) const;
@@ -65,10 +65,6 @@ class Canvas {
   _cairo* cairo_;
 };
 
-/// "12.3 ms" next to a bar, "10 ms" at an axis.
-std::string seconds_label(double seconds);
-std::string tick_label(double seconds);
-
 /// Cairo refuses text that is not UTF-8, but a file name may be any bytes.
 std::string valid_utf8(const std::string& text);
 
@@ -94,6 +90,7 @@ std::expected<std::vector<uint32_t>, std::string> draw_pixels(
 /// in vectors. The error is one line.
 std::expected<std::string, std::string> draw_page(PlotFormat format,
                                                   const std::function<void(const Canvas&)>& draw,
-                                                  double width = kWidth, double height = kHeight);
+                                                  double width = kPageWidth,
+                                                  double height = kPageHeight);
 
-}  // namespace raio::core::app
+}  // namespace raio::core
