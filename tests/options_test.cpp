@@ -121,9 +121,8 @@ TEST(OptionTable, ConstantDefaultsAreValues) {
   EXPECT_EQ(value("depth"), "5");
   EXPECT_EQ(value("exposure"), "0");
   EXPECT_EQ(value("accel"), "auto");
-  EXPECT_EQ(value("key-light"), "on");
   EXPECT_EQ(value("one-sided"), "false");
-  for (const char* open : {"dof", "aa", "gloss", "background", "tone", "from", "size"})
+  for (const char* open : {"dof", "aa", "gloss", "background", "tone", "from", "size", "key-light"})
     EXPECT_EQ(value(open), "") << open;
 }
 
