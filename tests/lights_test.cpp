@@ -343,10 +343,12 @@ std::string conflict(const RenderOptions& options, const Scene& scene) {
 
 TEST(Lights, OtherIntegratorsRefuseThem) {
   const Scene scene = brightly_lit();
-  EXPECT_EQ(conflict({}, scene),
+  EXPECT_EQ(conflict({}, scene), "");
+  RenderOptions options;
+  options.integrator = IntegratorKind::classic;
+  EXPECT_EQ(conflict(options, scene),
             "integrator: classic would leave out 5 physical lights, the environment; choose "
             "ambient");
-  RenderOptions options;
   options.integrator = IntegratorKind::ambient;
   EXPECT_EQ(conflict(options, scene), "");
   options.shadow_catcher = true;

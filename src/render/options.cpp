@@ -220,9 +220,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
         "size at the distance of the point looked at; or in all directions (omnidirectional), as "
         "an equirectangular picture with that point in the middle",
         kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
-    option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
-           usual("classic; ambient for atoms, points and meshes; views with `view`"),
-           one_of(kIntegratorNames)),
+    option(
+        effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
+        usual("classic; ambient for atoms, points, meshes and physical light; views with `view`"),
+        one_of(kIntegratorNames)),
     option(diagnostics, "view", "NAME",
            "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or "
            "samples instead of the picture",
