@@ -131,7 +131,7 @@ class RenderOptions(TypedDict, total=False):
         opacity: Opacity of everything without its own: 0 is invisible, 1 opaque (default: 1)
         look: Look of figures, with integrator ambient: paper, soft light on white; dark; flat, outlines
             without a key light; or matte; a number fixes the version, as in paper-1 (default: paper)
-        sky_light: Radiance of the sky, with integrator ambient: a number or R,G,B, with 1 for a sky in
+        sky_light: Radiance of the sky, with integrator ambient: a number or a colour, with 1 for a sky in
             which white surfaces are white; 0 for no sky (default: the look's; 1 for a scene with an
             environment)
         occlusion_rays: Rays to the sky from each surface point, with integrator ambient (default: 2)
