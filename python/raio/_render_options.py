@@ -77,10 +77,12 @@ class RenderOptions(AnnotationOptions, total=False):
             stray atoms (default: the scene's camera; all for data without one)
         fov: Vertical field of view, in degrees (default: the scene's)
         projection: Eye rays from one point (perspective) or parallel (orthographic); both show the same
-            size at the distance of the point looked at (default: the scene's)
+            size at the distance of the point looked at; or in all directions (omnidirectional), as an
+            equirectangular picture with that point in the middle (default: the scene's)
         integrator: How rays become colours: classic, the shading of Whitted and Phong; ambient, for
             figures, with the light of a sky and a key light; or views, which shows what eye rays
-            intersect (default: classic; ambient for atoms, points and meshes; views with view)
+            intersect (default: classic; ambient for atoms, points, meshes and physical light; views with
+            view)
         view: Show normals, depth, ids, materials, traversal steps, intersection tests, focus or samples
             instead of the picture (default: picture)
         channels: Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, object,
@@ -131,11 +133,15 @@ class RenderOptions(AnnotationOptions, total=False):
         opacity: Opacity of everything without its own: 0 is invisible, 1 opaque (default: 1)
         look: Look of figures, with integrator ambient: paper, soft light on white; dark; flat, outlines
             without a key light; or matte; a number fixes the version, as in paper-1 (default: paper)
+        sky_light: Radiance of the sky, with integrator ambient: a number or a colour, with 1 for a sky in
+            which white surfaces are white; 0 for no sky (default: the look's; 1 for a scene with an
+            environment)
         occlusion_rays: Rays to the sky from each surface point, with integrator ambient (default: 2)
         occlusion_distance: Surfaces farther away than D scene units hide no sky, with integrator ambient
             (default: any distance)
-        key_light: Light over the viewer's left shoulder, with soft shadows, with integrator ambient
-            (default: on)
+        key_light: Light over the viewer's left shoulder, with soft shadows, with integrator ambient: on
+            or off; or scene, the scene's lights in physical units (default: on; scene if it has physical
+            lights)
         outline: Outlines W pixels wide where depth jumps, faces meet or objects end, with integrator
             ambient; 0 for none (default: the look's)
         depth_cue: Fade into the background with distance, with integrator ambient: the farthest point
@@ -167,7 +173,7 @@ class RenderOptions(AnnotationOptions, total=False):
     up: npt.ArrayLike | None
     fit: Literal["all", "most"] | None
     fov: float | None
-    projection: Literal["perspective", "orthographic"] | None
+    projection: Literal["perspective", "orthographic", "omnidirectional"] | None
     integrator: Literal["classic", "views", "ambient"] | None
     view: Literal[
         "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"
@@ -198,9 +204,10 @@ class RenderOptions(AnnotationOptions, total=False):
     shutter: str | Sequence[str] | Sequence[float] | None
     opacity: float | None
     look: Literal["paper", "dark", "flat", "matte"] | None
+    sky_light: str | npt.ArrayLike | None
     occlusion_rays: int | None
     occlusion_distance: float | None
-    key_light: Literal["off", "on"] | bool | None
+    key_light: Literal["off", "on", "scene"] | bool | None
     outline: float | None
     depth_cue: float | None
     shadow_catcher: bool | None

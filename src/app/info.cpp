@@ -179,7 +179,8 @@ std::string info_text(const ReadScene& read) {
     line("", fmt::format("moves to  from {}  at {}  between the times {:g} and {:g}",
                          place_text(m->from), place_text(m->at), m->begin, m->end));
   std::string view = fmt::format("angle {:g} degrees", fitted_fov_deg(camera));
-  if (camera.is_parallel()) view += ", orthographic";
+  if (camera.projection != Projection())
+    view += fmt::format(", {}", projection_name(camera.projection));
   if (camera.lens_radius) view += fmt::format(", lens radius {:g}", *camera.lens_radius);
   if (camera.focus_distance) view += fmt::format(", in focus at {:g}", *camera.focus_distance);
   line("", view);

@@ -22,16 +22,15 @@ std::string look_text(const RenderOptions& options, const OptionSpec&) {
 
 std::expected<void, std::string> set_sky_light(RenderOptions& options, const OptionSpec& spec,
                                                std::string_view text) {
-  Rgb light;
-  if (const auto grey = parse_number<float>(text))
-    light = Rgb(*grey);
-  else if (!parse_list(text, ',', light))
-    light = Rgb(-1);
-  for (int c = 0; c < 3; ++c)
-    if (!(light[c] >= float(spec.least) && light[c] <= float(spec.most)))
-      return expected_but(
-          fmt::format("a number, or three as R,G,B, from {} to {}", spec.least, spec.most), text);
-  options.sky_light = light;
+  const ColorLimits limits{.transparent = false, .brightest = spec.most};
+  if (const auto grey = parse_number<float>(text);
+      grey && *grey >= 0 && double(*grey) <= limits.brightest) {
+    options.sky_light = Rgb(*grey);
+    return {};
+  }
+  const auto color = parse_color(text, limits);
+  if (!color) return std::unexpected(color.error() + ", or one number for grey");
+  options.sky_light = color->encoded ? linear_from_srgb(color->color) : color->color;
   return {};
 }
 

@@ -16,7 +16,8 @@ std::expected<void, std::string> set_look(RenderOptions& options, const OptionSp
                                           std::string_view text);
 std::string look_text(const RenderOptions& options, const OptionSpec&);
 
-/// "0.5", or "R,G,B" if the components differ; for OptionValue.
+/// A number, or a colour as in parse_color(), display values converted to light; for OptionValue.
+/// The text is "0.5", or "R,G,B" if the components differ.
 std::expected<void, std::string> set_sky_light(RenderOptions& options, const OptionSpec&,
                                                std::string_view text);
 std::string sky_light_text(const RenderOptions& options, const OptionSpec&);

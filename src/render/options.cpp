@@ -220,9 +220,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
         "size at the distance of the point looked at; or in all directions (omnidirectional), as "
         "an equirectangular picture with that point in the middle",
         kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
-    option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
-           usual("classic; ambient for atoms, points and meshes; views with `view`"),
-           one_of(kIntegratorNames)),
+    option(
+        effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
+        usual("classic; ambient for atoms, points, meshes and physical light; views with `view`"),
+        one_of(kIntegratorNames)),
     option(diagnostics, "view", "NAME",
            "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or "
            "samples instead of the picture",
@@ -317,11 +318,12 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Look of figures: paper, soft light on white; dark; flat, outlines without a key "
            "light; or matte; a number fixes the version, as in paper-1",
            kLook, usual("paper"), one_of(kLooks), kOfFigures),
-    option(figures, "sky-light", "COLOR",
-           "Radiance of the sky: a number or R,G,B, with 1 for a sky in which white surfaces are "
-           "white; 0 for no sky",
-           kSkyLight, usual("the look's; 1 for a scene with an environment"), range(0, 1e6),
-           kOfFigures),
+    option(
+        figures, "sky-light", "COLOR",
+        "Radiance of the sky: a number or a colour, with 1 for a sky in which white surfaces are "
+        "white; 0 for no sky",
+        kSkyLight, usual("the look's; 1 for a scene with an environment"), range(0, 1e6),
+        kOfFigures),
     option(figures, "occlusion-rays", "N", "Rays to the sky from each surface point",
            kValue<&Options::occlusion_rays>, usual("2"), range(1, 4096), kOfFigures),
     option(figures, "occlusion-distance", "D",

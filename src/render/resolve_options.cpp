@@ -28,9 +28,10 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 }  // namespace
 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
-  const bool is_data = scene.dialect == Dialect::data;
-  return selected_integrator(options).value_or(is_data ? IntegratorKind::ambient
-                                                       : IntegratorKind::classic);
+  const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
+                         !scene.environment.empty();
+  return selected_integrator(options).value_or(is_figure ? IntegratorKind::ambient
+                                                         : IntegratorKind::classic);
 }
 
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
