@@ -8,7 +8,9 @@ if(NOT nanobind_ROOT)
 endif()
 find_package(nanobind CONFIG REQUIRED)
 
-make_library(raio_static STATIC)
+if(NOT TARGET raio_static)
+  make_library(raio_static STATIC)
+endif()
 nanobind_add_module(raio_python STABLE_ABI NB_STATIC python/module.cpp)
 # build/PRESET/python holds the whole package, for tests.
 set(package ${PROJECT_BINARY_DIR}/python/raio)
@@ -29,6 +31,12 @@ if(UNIX AND NOT APPLE)  # everything but its entry is its own
 endif()
 
 install(TARGETS raio_python LIBRARY DESTINATION raio COMPONENT python)
+if(TARGET raio_anari)  # for raio.ovito
+  add_custom_command(TARGET raio_package POST_BUILD
+    COMMAND ${CMAKE_COMMAND} -E copy $<TARGET_FILE:raio_anari> ${package})
+  add_dependencies(raio_package raio_anari)
+  install(TARGETS raio_anari LIBRARY DESTINATION raio COMPONENT python)
+endif()
 if(SKBUILD_SCRIPTS_DIR)
   install(TARGETS raio RUNTIME DESTINATION ${SKBUILD_SCRIPTS_DIR} COMPONENT python)
 endif()

@@ -79,6 +79,9 @@ struct Material {
   std::optional<uint32_t> texture = std::nullopt;
 };
 
+/// How a texture continues beyond its edges.
+enum class TextureWrap { repeat, clamp, mirror };
+
 /// Perspective or parallel rays. Objects at the distance of the point looked at are equally large
 /// in both. Or an equirectangular picture of all directions, with the point looked at in the
 /// middle: 360 degrees about the up direction, perpendicular to the line of sight, by 180; angle
@@ -236,7 +239,9 @@ class RAIO_API Scene {
   uint32_t add_material(const Material& material);
   /// Copies a picture of `width` x `height` pixels, three bytes each, row by row from the top, and
   /// returns its number.
-  uint32_t add_texture(uint32_t width, uint32_t height, const uint8_t* rgb);
+  uint32_t add_texture(uint32_t width, uint32_t height, const uint8_t* rgb,
+                       TextureWrap wrap_u = TextureWrap::repeat,
+                       TextureWrap wrap_v = TextureWrap::repeat);
 
   // The columns of one call must have equal counts. After an error (null pointer, different counts,
   // invalid numbers) the scene is unchanged. Radii must not be negative.
@@ -264,6 +269,10 @@ class RAIO_API Scene {
   void add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                 const Column<float, 3>& normals, const Column<float, 2>& uv,
                 const Column<float, 3>& vertex_colors, uint32_t material = 0);
+  /// The same with a material for each triangle.
+  void add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                const Column<float, 3>& normals, const Column<float, 2>& uv,
+                const Column<float, 3>& vertex_colors, const Column<uint32_t>& materials);
 
   /// Spheres that move uniformly from `starts` at the time `begin` to `ends` at `end`; they rest
   /// before and after. The setting `shutter` selects the times that a picture covers.

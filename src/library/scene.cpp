@@ -235,7 +235,8 @@ uint32_t Scene::add_material(const Material& m) {
   });
 }
 
-uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb) {
+uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb, TextureWrap wrap_u,
+                            TextureWrap wrap_v) {
   return guarded([&] {
     core::Scene& scene = data_->scene;
     const auto problem = [&](uint32_t side) { return side < 1 || side > kLargestTexture; };
@@ -249,7 +250,8 @@ uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb)
     uint32_t* to = scene.texels.data() + first;
     for (size_t i = 0; i < count; ++i, rgb += 3)
       to[i] = uint32_t(rgb[0]) | uint32_t(rgb[1]) << 8 | uint32_t(rgb[2]) << 16;
-    scene.textures.push_back({uint32_t(first), width, height});
+    scene.textures.push_back({uint32_t(first), width, height, core::TextureWrap(wrap_u),
+                              core::TextureWrap(wrap_v)});
     return uint32_t(scene.textures.size() - 1);
   });
 }
@@ -512,11 +514,16 @@ Array<TriangleIndices> behind(size_t first, Array<TriangleIndices> corners) {
 void Scene::add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
                      const Column<float, 3>& normals, const Column<float, 2>& uv,
                      const Column<float, 3>& vertex_colors, uint32_t material) {
+  add_mesh(positions, triangles, normals, uv, vertex_colors, Column<uint32_t>{&material, 1});
+}
+
+void Scene::add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3>& triangles,
+                     const Column<float, 3>& normals, const Column<float, 2>& uv,
+                     const Column<float, 3>& vertex_colors, const Column<uint32_t>& materials) {
   guarded([&] {
     core::Scene& scene = data_->scene;
-    if (material >= scene.materials.size())
-      refuse(fmt::format("unknown material {}, expected a number below {}", material,
-                         scene.materials.size()));
+    const Part numbers = part("materials", materials);
+    if (materials.count != 1) check_part(numbers, "triangles", triangles.count);
     const auto attribute = [&]<class T>(const Part& p, T) {
       if (p.given()) check_part(p, "positions", positions.count);
       return p.given() ? gathered<T>({p}) : StridedArray<T>();
@@ -543,7 +550,11 @@ void Scene::add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3
           refuse(fmt::format("triangle {} refers to vertex {} of {}", i, vertex, points.size()));
     mesh.positions = points.packed(), mesh.normals = units.packed();
     mesh.colors = colors.packed(), mesh.uv = places.packed();
-    mesh.materials = {material};
+    mesh.materials = gathered<MaterialId>({numbers}).packed();
+    for (const MaterialId material : std::as_const(mesh.materials))
+      if (material >= scene.materials.size())
+        refuse(fmt::format("unknown material {}, expected a number below {}", material,
+                           scene.materials.size()));
     scene.meshes.push_back(std::move(mesh));
   });
 }
