@@ -1,6 +1,7 @@
 // The device of ANARI without its SDK: what applications create, set, commit and render, and what
 // they do wrong.
 #include <gtest/gtest.h>
+#include <raio/raio.h>
 
 #include <algorithm>
 #include <array>
@@ -15,7 +16,6 @@
 #include "device/objects.h"
 #include "device/parameters.h"
 #include "device/world.h"
-#include "raio/raio.h"
 
 namespace {
 

@@ -57,16 +57,24 @@ def _text(keyword: str, option: Mapping[str, Any], value: Any) -> str:
     raise TypeError(f"{keyword}: expected {option['value_name'] or 'True or False'}, found {value!r}")
 
 
-def settings(options: Mapping[str, Any]) -> _raio.Settings:
-    """The options that are not None."""
+def texts(options: Mapping[str, Any]) -> dict[str, str]:
+    """The options that are not None, as the command line names and writes them."""
     known = table()
-    all_settings = _raio.Settings()
+    all_texts = {}
     for keyword, value in options.items():
         if keyword not in known:
             near = did_you_mean(keyword, known) or "; help(raio.RenderOptions) lists them"
             raise TypeError(f"unknown option {keyword!r}{near}")
         if value is not None:
-            all_settings.set(known[keyword]["name"], _text(keyword, known[keyword], value))
+            all_texts[known[keyword]["name"]] = _text(keyword, known[keyword], value)
+    return all_texts
+
+
+def settings(options: Mapping[str, Any]) -> _raio.Settings:
+    """The options that are not None."""
+    all_settings = _raio.Settings()
+    for name, text in texts(options).items():
+        all_settings.set(name, text)
     return all_settings
 
 

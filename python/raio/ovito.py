@@ -1,4 +1,4 @@
-"""Raio as a renderer of OVITO. Importing this module makes OVITO's renderer for ANARI devices use Raio:
+"""Raio as a renderer of OVITO. Once this module is imported, OVITO's renderer for ANARI devices is Raio:
 
     import raio.ovito
     viewport.render_image(filename="figure.png", renderer=raio.ovito.renderer(samples=64))
@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from ._options import text_of_option
+from . import _options
 
 if TYPE_CHECKING:
     from ._render_options import RenderOptions
@@ -17,24 +17,25 @@ if TYPE_CHECKING:
 _LIBRARY = Path(__file__).parent / "libanari_library_raio.so"
 
 if not _LIBRARY.exists():
-    raise ImportError(
-        "this raio was built without its ANARI device, which OVITO needs; build it where ANARI's SDK is installed "
-        "(docs/programs.md)"
-    )
-# OVITO loads libanari_library_NAME.so, which the loader finds by its name once it is in memory.
+    raise ImportError("this raio was built without its ANARI device, which OVITO needs; "
+                      "build it where ANARI's SDK is installed (docs/programs.md)")
+# OVITO asks the loader for this library by its name, which it knows once the library is in memory.
 ctypes.CDLL(str(_LIBRARY), mode=ctypes.RTLD_GLOBAL)
 os.environ["OVITO_ANARI_DEVICE"] = "raio"
 
 
-def renderer(**options: "Unpack[RenderOptions]") -> Any:
-    """OVITO's renderer for ANARI devices, with options of scene.render().
+def renderer(**options: Unpack["RenderOptions"]) -> Any:
+    """OVITO's renderer for ANARI devices, with options of `Scene.render()`.
 
     They count for all pictures until the next call: `samples` (16 if not given), `occlusion_rays`,
-    `occlusion_distance`, `outline`, `depth_cue`, `seed`, `threads`; `look` replaces OVITO's lights by those of a look
-    of figures. OVITO sets size, camera and background.
+    `occlusion_distance`, `outline`, `depth_cue`, `seed`, `threads`. A `look` replaces OVITO's lights by its own.
+    OVITO sets size, camera and background.
     """
+    for keyword in ("size", "width", "crop", "from_", "at", "up", "fov", "projection", "background", "channels"):
+        if options.get(keyword) is not None:
+            raise TypeError(f"{keyword}: OVITO sets it, by its viewport and render_image()")
+    _options.settings(options)  # refuses wrong values
     from ovito.vis import VisRTXRenderer
 
-    words = {name.replace("_", "-"): text_of_option(name, value) for name, value in options.items()}
-    os.environ["RAIO_OPTIONS"] = " ".join(f"{name}={value}" for name, value in words.items())
+    os.environ["RAIO_OPTIONS"] = " ".join(f"{name}={text}" for name, text in _options.texts(options).items())
     return VisRTXRenderer()

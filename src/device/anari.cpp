@@ -177,10 +177,12 @@ class AnariDevice final : public anari::DeviceImpl {
     guarded([&] {
       const auto f = device_.find<Frame>(frame, "a frame to render");
       if (!f) return;
+      std::unique_lock lock(device_.mutex());
       const Value* const callback = f->find("frameCompletionCallback");
       const auto call = callback ? callback->as<ANARIFrameCompletionCallback>() : nullptr;
       const Value* const data = f->find("frameCompletionCallbackUserData");
       const void* const user = data ? data->as<const void*>() : nullptr;
+      lock.unlock();
       f->render([=, this] {
         if (call) call(user, this_device(), frame);
       });

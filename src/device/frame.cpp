@@ -252,6 +252,7 @@ void Frame::render(std::function<void()> completed) {
   if (thread_.joinable()) thread_.join();
   std::optional<Task> task;
   try {
+    const std::lock_guard lock(device.mutex());
     task = begin();
   } catch (const std::exception& error) {
     device.report(this, Severity::error, Status::invalid_operation,

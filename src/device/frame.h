@@ -1,6 +1,8 @@
 // A frame: renders a world by another thread, and converts its channels.
 #pragma once
 
+#include <raio/raio.h>
+
 #include <atomic>
 #include <condition_variable>
 #include <functional>
@@ -14,7 +16,6 @@
 
 #include "device/objects.h"
 #include "device/world.h"
-#include "raio/raio.h"
 
 namespace raio::device {
 

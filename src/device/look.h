@@ -1,6 +1,8 @@
 // How a geometry looks: the values of its material, from numbers, attributes and samplers.
 #pragma once
 
+#include <raio/raio.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 #include <string_view>
 
 #include "device/objects.h"
-#include "raio/raio.h"
 
 namespace raio::device {
 

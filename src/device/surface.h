@@ -2,12 +2,13 @@
 // between them.
 #pragma once
 
+#include <raio/raio.h>
+
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "device/objects.h"
-#include "raio/raio.h"
 
 namespace raio::device {
 

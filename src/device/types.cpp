@@ -1,6 +1,7 @@
 #include "device/types.h"
 
 #include <fmt/format.h>
+#include <raio/raio.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "base/exact_math.h"
-#include "raio/raio.h"
 
 namespace raio::device {
 

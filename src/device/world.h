@@ -1,6 +1,8 @@
 // A world as a raio::Scene.
 #pragma once
 
+#include <raio/raio.h>
+
 #include <array>
 #include <memory>
 #include <mutex>
@@ -9,7 +11,6 @@
 
 #include "device/objects.h"
 #include "device/surface.h"
-#include "raio/raio.h"
 
 namespace raio::device {
 
