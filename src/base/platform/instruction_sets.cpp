@@ -32,8 +32,8 @@ int64_t detect() {
   uint32_t eax = 0, ebx = 0, ecx = 0, edx = 0;
   const auto all = [](uint64_t word, auto... bits) { return (... && (word >> bits & 1)); };
   if (!__get_cpuid(1, &eax, &ebx, &ecx, &edx)) return targets;
-  // pclmulqdq, ssse3, sse4.1, sse4.2, aes
-  const bool sse4 = all(ecx, 1, 9, 19, 20, 25);
+  // ssse3, sse4.1, sse4.2
+  const bool sse4 = all(ecx, 9, 19, 20);
   // fma, osxsave, avx, f16c
   const bool avx = sse4 && all(ecx, 12, 27, 28, 29);
   const uint64_t saved = avx ? saved_state() : 0;
