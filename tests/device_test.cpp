@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <numbers>
 #include <random>
 #include <string>
@@ -31,8 +34,12 @@ using Point = std::array<float, 3>;
 
 // A device with the calls of an application.
 struct Application {
+  std::mutex mutex;  // frames report, too
   std::vector<Device::Message> messages;
-  Device device{[this](const Device::Message& m) { messages.push_back(m); }};
+  Device device{[this](const Device::Message& m) {
+    const std::lock_guard lock(mutex);
+    messages.push_back(m);
+  }};
 
   Object* create(DataType type, const char* subtype = "") { return device.create(type, subtype); }
   template <class T>
@@ -514,7 +521,7 @@ TEST(Device, MisuseIsReportedAndHarmless) {
         for (const auto& p : info->parameters)
           if (p.name != "frameCompletionCallback") names.push_back(p.name);
   std::array<float, 16> numbers;
-  int frames = 0;
+  std::atomic<int> frames = 0;
   const char* const calls = std::getenv("RAIO_CALLS");
   for (int i = 0, n = calls ? std::atoi(calls) : 20000; i < n; ++i) {
     const void* const handle = pick(handles);
@@ -607,6 +614,12 @@ TEST(Device, MisuseIsReportedAndHarmless) {
     } catch (const std::bad_alloc&) {  // the layer above reports it
     }
   }
+  EXPECT_GT(frames, 0);
+  EXPECT_FALSE(app.messages.empty());
+  // The device still works.
+  Frame* const frame =
+      app.frame(app.world({app.surface(app.spheres({{0, 0, 0}}, 1), app.matte({1, 1, 1}))}));
+  EXPECT_GT(app.render(frame)[4 * (32 * 64 + 32)], 0.9f);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -40,7 +39,7 @@ uint8_t byte_of(float x) {
   return uint8_t(std::lround(std::clamp(std::isnan(x) ? 0.0f : x, 0.0f, 1.0f) * 255));
 }
 
-// `components` floats per pixel as the type of a channel.
+// The components of pixels, as the type of a channel has them.
 std::vector<std::byte> converted(const std::vector<float>& values, DataType type) {
   const Layout layout = *layout_of(type);
   std::vector<std::byte> out(values.size() * size_of(type) / size_t(layout.count));
