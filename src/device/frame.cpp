@@ -242,12 +242,10 @@ std::optional<Frame::Task> Frame::begin() {
 }
 
 void Frame::render(std::function<void()> completed) {
-  {
-    const std::unique_lock lock(mutex_);
-    if (!done_)
-      return device.report(this, Severity::error, Status::invalid_operation,
-                           "is still rendered; wait for it first");
-  }
+  if (thread_.get_id() == std::this_thread::get_id())
+    return device.report(this, Severity::error, Status::invalid_operation,
+                         "cannot be rendered by its own callback");
+  ready(true);
   if (thread_.joinable()) thread_.join();
   std::optional<Task> task;
   try {

@@ -66,6 +66,7 @@ class Adder {
       drop_invisible();
     else
       kept_all_ = true;
+    if (count() == 0) return;
     if (geometry_.subtype == "sphere")
       add_spheres();
     else if (shapes_.corners == 2)
