@@ -338,7 +338,8 @@ void bind_scene(nb::module_& m) {
           "direction"_a.none(), "up"_a, "margin"_a)
       .def("set_figure", &Scene::set_figure)
       .def("set_background", &Scene::set_background)
-      .def("add_light", &Scene::add_light, "position"_a, "color"_a.none(), "size"_a)
+      .def("add_light", nb::overload_cast<Triple, std::optional<Triple>, double>(&Scene::add_light),
+           "position"_a, "color"_a.none(), "size"_a)
       .def("add_material",
            [](Scene& scene, Triple color, double kd, double ks, double shine, double transmission,
               double ior, Triple specular, double roughness, double opacity,

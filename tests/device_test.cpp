@@ -98,6 +98,7 @@ struct Application {
   Frame* frame(Object* world, uint32_t width = 64, uint32_t height = 64) {
     Object* const c = create(DataType::camera, "perspective");
     set(c, "position", float32_vec3, Point{0, 0, 5});
+    set(c, "direction", float32_vec3, Point{0, 0, -1});
     commit(c);
     Object* const r = create(DataType::renderer, "default");
     set(r, "ambientRadiance", float32, 1.0f);
@@ -598,6 +599,15 @@ TEST(Device, MisuseIsReportedAndHarmless) {
               app.device.set(frame.get(), "size", uint32_vec2, &size);
               Object* const c = app.create(camera, "perspective");
               Object* const r = app.create(renderer, "default");
+              Object* const w = app.create(world);
+              for (const auto& [name, type] :
+                   {std::pair("surface", surface), std::pair("instance", instance),
+                    std::pair("light", light)}) {
+                std::vector<const void*> members(8);
+                for (const void*& member : members) member = pick(handles);
+                app.set(w, name, type, members);
+              }
+              app.commit(w), app.set(frame.get(), "world", w), app.device.release(w);
               app.set(c, "position", float32_vec3, Point{0, 0, 9});
               app.commit(c), app.commit(r);
               app.set(frame.get(), "camera", c), app.set(frame.get(), "renderer", r);

@@ -173,8 +173,7 @@ Object* Device::create_array(DataType type, const void* memory, Deleter deleter,
                              DataType element, std::array<uint64_t, 3> size) {
   const std::lock_guard lock(mutex_);
   const uint64_t bytes = size_of(element);
-  // No machine has 2^48 bytes.
-  constexpr uint64_t kMost = uint64_t(1) << 48;
+  constexpr uint64_t kMost = uint64_t(1) << 40;  // bytes; above, a size is taken for a mistake
   uint64_t total = bytes;
   for (const uint64_t n : size) total = n != 0 && total > kMost / n ? kMost : total * n;
   if (bytes == 0 || total >= kMost) {
@@ -210,7 +209,8 @@ void Device::resolve_objects(Array& array) {
     const void* handle = nullptr;
     std::memcpy(&handle, array.memory_->data + i * sizeof handle, sizeof handle);
     const auto object = handle ? find_object(handle) : nullptr;
-    if (object && fits(object->type, array.element))
+    // Arrays in arrays mean nothing, and could contain themselves.
+    if (object && fits(object->type, array.element) && !is_array(object->type))
       array.objects_[i] = object;
     else if (handle)
       ++wrong;
@@ -281,7 +281,7 @@ bool Device::check_value(const Object& object, std::string_view name, Value& val
       return refuse(fmt::format("is no {}, or was released", name_of(value.type)));
     value.type = value.object->type;
   }
-  if (!object.info) return true;  // reported at its creation
+  if (!object.info) return false;  // reported at its creation
   const ParameterInfo* const info = object.info->find(name);
   if (!info) {
     report_once(&object, Severity::warning, fmt::format("'{}' is not supported and ignored", name));
