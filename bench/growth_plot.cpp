@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "app/bench.h"
 #include "bench/log_plot.h"
 #include "bench/suites.h"
 

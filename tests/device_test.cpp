@@ -497,6 +497,7 @@ TEST(Device, TypesHaveTheirSizesAndNumbers) {
 
 // Random calls with right and wrong handles, names, types and sizes.
 TEST(Device, MisuseIsReportedAndHarmless) {
+  std::atomic<int> frames = 0;  // outlives those of the device
   Application app;
   std::mt19937 random(7);
   const auto pick = [&](const auto& from) { return from[random() % std::size(from)]; };
@@ -522,7 +523,6 @@ TEST(Device, MisuseIsReportedAndHarmless) {
         for (const auto& p : info->parameters)
           if (p.name != "frameCompletionCallback") names.push_back(p.name);
   std::array<float, 16> numbers;
-  std::atomic<int> frames = 0;
   const char* const calls = std::getenv("RAIO_CALLS");
   for (int i = 0, n = calls ? std::atoi(calls) : 20000; i < n; ++i) {
     const void* const handle = pick(handles);
