@@ -23,7 +23,7 @@ using tests::if_sanitized;
 using tests::picture_of;
 using tests::random_scene;
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 const Vec3f kEye(0.3f, 0.2f, 0.5f);
 
 // A white floor that faces +z, seen at the origin.
@@ -63,7 +63,7 @@ TEST(Lights, AnIntensityDecreasesWithTheSquareOfTheDistance) {
   PhysicalLight light = light_of(LightKind::point, {1, 0, 2});
   light.color = {10, 5, 1};
   Scene scene = lit_floor(light);
-  const double expected = 1 / kPi * (2 / std::sqrt(5.0)) / 5;
+  const double expected = 1 / pi * (2 / std::sqrt(5.0)) / 5;
   const Rgb seen = radiance(scene);
   EXPECT_NEAR(double(seen.x), 10 * expected, 1e-5);
   EXPECT_NEAR(double(seen.y), 5 * expected, 1e-5);
@@ -81,17 +81,17 @@ TEST(Lights, AnIntensityDecreasesWithTheSquareOfTheDistance) {
 
 // The border is a cubic in the cosine.
 TEST(Lights, ASpotHasACone) {
-  const double outer = std::cos(kPi / 6), inner = std::cos(kPi / 9);  // 30 and 20 degrees
+  const double outer = std::cos(pi / 6), inner = std::cos(pi / 9);  // 30 and 20 degrees
   for (const double degrees : {0.0, 19.0, 22.0, 25.0, 29.0, 31.0, 90.0}) {
-    const double angle = degrees * kPi / 180;
+    const double angle = degrees * pi / 180;
     PhysicalLight light = light_of(LightKind::spot, {0, 0, 2});
     light.direction = Vec3f(Vec3d(std::sin(angle), 0, -std::cos(angle)) * 3.0);
     light.opening = 60, light.falloff = 10;
     const double t = std::clamp((std::cos(angle) - outer) / (inner - outer), 0.0, 1.0);
-    EXPECT_NEAR(double(radiance(lit_floor(light)).x), t * t * (3 - 2 * t) / (4 * kPi), 1e-5)
+    EXPECT_NEAR(double(radiance(lit_floor(light)).x), t * t * (3 - 2 * t) / (4 * pi), 1e-5)
         << degrees;
     light.falloff = 0;
-    EXPECT_NEAR(double(radiance(lit_floor(light)).x), degrees < 30 ? 1 / (4 * kPi) : 0, 1e-5);
+    EXPECT_NEAR(double(radiance(lit_floor(light)).x), degrees < 30 ? 1 / (4 * pi) : 0, 1e-5);
   }
 }
 
@@ -99,9 +99,9 @@ TEST(Lights, ADirectionalLightIsItsIrradiance) {
   for (const float diameter : {0.0f, 0.5f, 40.0f}) {
     PhysicalLight light;
     light.kind = LightKind::directional, light.angular_diameter = diameter;
-    EXPECT_NEAR(double(radiance(lit_floor(light)).x), 1 / kPi, 1e-5) << diameter;
+    EXPECT_NEAR(double(radiance(lit_floor(light)).x), 1 / pi, 1e-5) << diameter;
     light.direction = {-1, 0, -1};
-    EXPECT_NEAR(double(radiance(lit_floor(light)).x), std::sqrt(0.5) / kPi, 2e-4) << diameter;
+    EXPECT_NEAR(double(radiance(lit_floor(light)).x), std::sqrt(0.5) / pi, 2e-4) << diameter;
   }
 }
 
@@ -113,14 +113,14 @@ TEST(Lights, ADirectionalLightHasPenumbras) {
   Scene scene = lit_floor(light);
   scene.camera.from = {3, 2, 0.02f};
   scene.spheres = {{{0, 0, 4}, 0.5f}}, scene.sphere_materials = {0};
-  const double sine = std::sin(kPi / 9);
-  EXPECT_NEAR(double(radiance(scene).x), (1 - 1 / (64 * sine * sine)) / kPi, 1e-3);
+  const double sine = std::sin(pi / 9);
+  EXPECT_NEAR(double(radiance(scene).x), (1 - 1 / (64 * sine * sine)) / pi, 1e-3);
 }
 
 // The form factor of a rectangle parallel to the floor with a corner above the point.
 double corner_factor(double a, double b) {
   const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
-  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * kPi);
+  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * pi);
 }
 
 TEST(Lights, AQuadHasTheRadianceOfItsFormFactor) {
@@ -149,7 +149,7 @@ TEST(Lights, ARingHasTheRadianceOfItsFormFactor) {
   EXPECT_EQ(radiance(lit_floor(light)), Rgb());
   light.direction = {0, 0, -1};
   light.radius = light.inner_radius = 0;  // its colour is an intensity
-  EXPECT_NEAR(double(radiance(lit_floor(light)).x), 1 / (4 * kPi), 1e-5);
+  EXPECT_NEAR(double(radiance(lit_floor(light)).x), 1 / (4 * pi), 1e-5);
 }
 
 // They have no distance and no unit: facing one of intensity I, a surface has the radiance I.
@@ -166,7 +166,7 @@ TEST(Lights, AHighlightIsNormalized) {
   scene.material_specular = {Rgb(1, 0.5f, 0)};
   const Vec3d to_light = normalize(Vec3d(1, 0, 2)), to_eye = normalize(Vec3d(kEye));
   const double cosine = normalize(to_light + to_eye).z;
-  const double expected = 18 / (8 * kPi) * 0.5 * std::pow(cosine, 10) * (2 / std::sqrt(5.0)) / 5;
+  const double expected = 18 / (8 * pi) * 0.5 * std::pow(cosine, 10) * (2 / std::sqrt(5.0)) / 5;
   const Rgb seen = radiance(scene);
   EXPECT_NEAR(double(seen.x), expected, 1e-5);
   EXPECT_NEAR(double(seen.y), expected / 2, 1e-5);
