@@ -334,7 +334,9 @@ TEST(Device, TexturesShowTheirTexels) {
                                   std::tuple(-0.8, 0.8, 2), std::tuple(0.8, 0.8, 3)})
       for (size_t c = 0; c < 3; ++c)
         EXPECT_NEAR(at(x, y)[c], texels[size_t(k)][c], 0.02) << filter << x << y;
-    if (filter == std::string("linear")) EXPECT_NEAR(at(0, -0.8)[0], 0.5, 0.1);
+    if (filter == std::string("linear")) {
+      EXPECT_NEAR(at(0, -0.8)[0], 0.5, 0.1);
+    }
   }
 }
 
@@ -605,7 +607,7 @@ TEST(Device, MisuseIsReportedAndHarmless) {
                     std::pair("light", light)}) {
                 std::vector<const void*> members(8);
                 for (const void*& member : members) member = pick(handles);
-                app.set(w, name, type, members);
+                app.set(w, members_of, type, members);
               }
               app.commit(w), app.set(frame.get(), "world", w), app.device.release(w);
               app.set(c, "position", float32_vec3, Point{0, 0, 9});
