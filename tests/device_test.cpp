@@ -602,7 +602,7 @@ TEST(Device, MisuseIsReportedAndHarmless) {
               Object* const c = app.create(camera, "perspective");
               Object* const r = app.create(renderer, "default");
               Object* const w = app.create(world);
-              for (const auto& [name, type] :
+              for (const auto& [members_of, type] :
                    {std::pair("surface", surface), std::pair("instance", instance),
                     std::pair("light", light)}) {
                 std::vector<const void*> members(8);
