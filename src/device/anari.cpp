@@ -268,7 +268,7 @@ class AnariDevice final : public anari::DeviceImpl {
   template <class T>
   static int put(const T& value, void* memory, uint64_t size) {
     if (size < sizeof(T)) return 0;
-    std::memcpy(memory, &value, sizeof(T));
+    std::memcpy(memory, static_cast<const void*>(&value), sizeof(T));
     return 1;
   }
   static int put_text(const std::string& value, ANARIDataType type, bool length, void* memory,

@@ -26,7 +26,7 @@ constexpr std::string_view kChannelPrefix = "channel.";
 // Options of `raio render` for applications that cannot set them: name=value, separated by blanks.
 std::map<std::string, std::string> options_of_environment() {
   std::map<std::string, std::string> out;
-  const char* const text = std::getenv("RAIO_OPTIONS");
+  const char* const text = std::getenv("RAIO_OPTIONS");  // NOLINT(concurrency-mt-unsafe)
   std::istringstream words(text ? text : "");
   for (std::string word; words >> word;) {
     const size_t equals = word.find('=');
@@ -105,6 +105,7 @@ Frame::~Frame() {
     thread_.join();
 }
 
+// NOLINTNEXTLINE(readability-function-size): one parameter after another
 std::optional<Frame::Task> Frame::begin() {
   const auto world = object<World>("world");
   const auto camera = object("camera"), renderer = object("renderer");
@@ -336,7 +337,7 @@ void Frame::work(Task task) {
 }
 
 // Depth and numbers of what the centres of the pixels show.
-void Frame::cast_rays(const Task& task, const Accel& accel, Picture& picture) const {
+void Frame::cast_rays(const Task& task, const Accel& accel, Picture& picture) {
   const Eye& eye = task.eye;
   const size_t width = task.size[0], height = task.size[1], count = width * height;
   const Vec3d right = normalize(cross(eye.forward, eye.up)), up = cross(right, eye.forward);

@@ -71,7 +71,7 @@ class Frame final : public Object {
 
   std::optional<Task> begin();
   void work(Task task);
-  void cast_rays(const Task& task, const Accel& accel, Picture& picture) const;
+  static void cast_rays(const Task& task, const Accel& accel, Picture& picture);
   void wait_rendered();
 
   std::mutex mutex_;

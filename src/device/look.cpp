@@ -47,7 +47,7 @@ std::optional<uint64_t> wrapped(int64_t at, uint64_t n, std::string_view mode) {
 Field constant(const Vector& value) {
   return {Rate::constant, [value](const Element&) { return value; }};
 }
-Field array_field(Rate rate, std::shared_ptr<const Array> array) {
+Field array_field(Rate rate, const std::shared_ptr<const Array>& array) {
   return {rate,
           [array, rate](const Element& e) {
             const uint64_t i = rate == Rate::primitive ? e.primitive

@@ -33,9 +33,18 @@ std::shared_ptr<Memory> new_memory(uint64_t bytes) {
 
 // OVITO, which names the device in a variable of its own, shows the numbers that it gets.
 bool means_display_colors() {
+  // NOLINTBEGIN(concurrency-mt-unsafe): as in all programs that set no variables
   const char* const asked = std::getenv("RAIO_COLORS");
   return asked ? asked == std::string_view("display")
                : std::getenv("OVITO_ANARI_DEVICE") != nullptr;
+  // NOLINTEND(concurrency-mt-unsafe)
+}
+
+std::string names_of(const std::vector<DataType>& types) {
+  std::string names;
+  for (const DataType type : types)
+    if (type != DataType::unknown) names += (names.empty() ? "" : ", ") + name_of(type);
+  return names;
 }
 
 std::string title(const Object& object) {
@@ -207,7 +216,8 @@ void Device::resolve_objects(Array& array) {
   size_t wrong = 0;
   for (size_t i = 0; i < array.objects_.size(); ++i) {
     const void* handle = nullptr;
-    std::memcpy(&handle, array.memory_->data + i * sizeof handle, sizeof handle);
+    std::memcpy(static_cast<void*>(&handle), array.memory_->data + i * sizeof handle,
+                sizeof handle);
     const auto object = handle ? find_object(handle) : nullptr;
     // Arrays in arrays mean nothing, and could contain themselves.
     if (object && fits(object->type, array.element) && !is_array(object->type))
@@ -266,7 +276,7 @@ bool Device::check_value(const Object& object, std::string_view name, Value& val
     return refuse(fmt::format("has an unknown type, {}", int(value.type)));
   // Of pointers, `data` is the value itself.
   if (value.type == DataType::void_pointer)
-    std::memcpy(value.bytes.data(), &data, sizeof data);
+    std::memcpy(value.bytes.data(), static_cast<const void*>(&data), sizeof data);
   else if (!data)
     return refuse("has no value");
   else if (value.type == DataType::string)
@@ -290,19 +300,15 @@ bool Device::check_value(const Object& object, std::string_view name, Value& val
   const auto expected =
       std::ranges::find_if(info->types, [&](DataType t) { return fits(value.type, t); });
   if (expected == info->types.end()) {
-    std::vector<std::string> names;
-    for (const DataType t : info->types) names.push_back(name_of(t));
-    return refuse(
-        fmt::format("has type {}, expected {}", name_of(value.type), fmt::join(names, " or ")));
+    const std::string names = names_of(info->types);
+    return refuse(fmt::format("has type {}, expected {}", name_of(value.type), names));
   }
   if (const auto* const array = dynamic_cast<const Array*>(value.object.get());
       array && !info->elements.empty() &&
       std::ranges::find(info->elements, array->element) == info->elements.end()) {
-    std::vector<std::string> names;
-    for (const DataType t : info->elements)
-      if (t != DataType::unknown) names.push_back(name_of(t));
-    return refuse(fmt::format("has elements of type {}, expected {}", name_of(array->element),
-                              fmt::join(names, ", ")));
+    const std::string names = names_of(info->elements);
+    return refuse(
+        fmt::format("has elements of type {}, expected {}", name_of(array->element), names));
   }
   if (value.type == DataType::string && !info->words.empty() && name != "inAttribute" &&
       std::ranges::none_of(info->words,
@@ -379,7 +385,7 @@ void* Device::map_parameter(const void* handle, std::string_view name, DataType 
   const Object* const array = create_array(type, nullptr, nullptr, nullptr, element, size);
   if (!array) return nullptr;
   void* const memory = map(array);
-  set(handle, name, type, &array);
+  set(handle, name, type, static_cast<const void*>(&array));
   if (stride) *stride = size_of(element);
   // The parameter holds it; unmap_parameter() finds it there.
   const auto object = find_object(handle);

@@ -88,7 +88,7 @@ struct Memory {
 /// Elements in one, two or three dimensions, row by row.
 class Array final : public Object {
  public:
-  Array(Device& owner, DataType array_type, DataType element, std::array<uint64_t, 3> size);
+  Array(Device& owner, DataType array_type, DataType element_type, std::array<uint64_t, 3> counts);
 
   const DataType element;
   const std::array<uint64_t, 3> size;
@@ -141,8 +141,8 @@ class Device {
   void unset(const void* handle, std::string_view name);
   void unset_all(const void* handle);
   void commit(const void* handle);
-  void* map(const void* array);
-  void unmap(const void* array);
+  void* map(const void* handle);
+  void unmap(const void* handle);
   /// Creates an array, sets it and maps it.
   void* map_parameter(const void* handle, std::string_view name, DataType type, DataType element,
                       std::array<uint64_t, 3> size, uint64_t* stride);
@@ -172,7 +172,7 @@ class Device {
   std::shared_ptr<Object> find_object(const void* handle);
   bool check_value(const Object& object, std::string_view name, Value& value, const void* data);
   void forget_scenes();
-  void copy_memory(Array& array);
+  static void copy_memory(Array& array);
   void resolve_objects(Array& array);
 
   std::recursive_mutex mutex_;

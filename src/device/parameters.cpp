@@ -140,6 +140,7 @@ const Parameters kContents = {array_of("surface", {surface}, "surfaces"),
                               array_of("volume", {volume}, "volumes"),
                               array_of("light", {light}, "lights")};
 
+// NOLINTNEXTLINE(readability-function-size): a list
 std::deque<ObjectInfo> make_objects() {
   std::deque<ObjectInfo> all;
   const auto add = [&](DataType type, const char* subtype, const char* description,
@@ -362,7 +363,7 @@ const char** subtypes_of(DataType type) {
     std::map<DataType, std::vector<const char*>> all;
     for (const ObjectInfo& info : objects())
       if (!info.subtype.empty()) all[info.type].push_back(info.subtype.c_str());
-    for (auto& [type, list] : all) list.push_back(nullptr);
+    for (auto& entry : all) entry.second.push_back(nullptr);
     return all;
   }();
   const auto found = lists.find(type);
@@ -375,11 +376,13 @@ const void* object_property(DataType type, std::string_view subtype, std::string
   if (!info) return nullptr;
   if (name == "description" && as == DataType::string) return info->description.c_str();
   if (name == "parameter" && as == DataType::parameter_list) return info->entries.data();
-  if (name == "extension" && as == DataType::string_list) return extensions();
+  if (name == "extension" && as == DataType::string_list)
+    return static_cast<const void*>(extensions());
   static const char* channels[] = {
       "channel.color",       "channel.depth",    "channel.normal",     "channel.albedo",
       "channel.primitiveId", "channel.objectId", "channel.instanceId", nullptr};
-  if (name == "channel" && as == DataType::string_list && type == DataType::frame) return channels;
+  if (name == "channel" && as == DataType::string_list && type == DataType::frame)
+    return static_cast<const void*>(channels);
   return nullptr;
 }
 
@@ -392,7 +395,7 @@ const void* parameter_property(DataType type, std::string_view subtype, std::str
   static const uint8_t truth[] = {0, 1};
   if (name == "required" && as == boolean) return &truth[info->required];
   if (name == "value" && as == string_list)
-    return info->words.empty() ? nullptr : info->words.data();
+    return info->words.empty() ? nullptr : static_cast<const void*>(info->words.data());
   if (name == "elementType" && as == data_type_list)
     return info->elements.empty() ? nullptr : info->elements.data();
   if (name == "default" && as == string && parameter_type == string)

@@ -294,6 +294,7 @@ class Adder {
     }
   };
 
+  // NOLINTNEXTLINE(readability-function-size): vertices, normals and colours depend on each other
   void add_triangles() {
     const bool quads = shapes_.corners == 4;
     const auto normals = geometry_.object<Array>("vertex.normal"),

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -135,7 +136,7 @@ struct Value {
   T as() const {
     static_assert(sizeof(T) <= 64);
     T out;
-    __builtin_memcpy(&out, bytes.data(), sizeof(T));
+    std::memcpy(static_cast<void*>(&out), bytes.data(), sizeof(T));
     return out;
   }
 };

@@ -48,6 +48,7 @@ std::vector<Rows> placements(const Object& instance) {
   if (!value->object) return {rows_of(value->bytes.data())};
   const auto& array = dynamic_cast<const Array&>(*value->object);
   std::vector<Rows> all;
+  all.reserve(array.count());
   for (uint64_t i = 0; i < array.count(); ++i) all.push_back(rows_of(array.at(i)));
   return all;
 }
@@ -88,7 +89,7 @@ class Translation {
   }
 
  private:
-  void add_contents(const Object& group, const Object* instance, Scene& scene, Part& part) const {
+  static void add_contents(const Object& group, const Object* instance, Scene& scene, Part& part) {
     for (const auto& surface : members(group, "surface"))
       add_surface(*surface, instance, surface->get("id", kNone), scene, part);
     if (!members(group, "volume").empty()) group.warn("volumes are not supported and left out");
