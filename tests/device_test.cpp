@@ -340,6 +340,60 @@ TEST(Device, TexturesShowTheirTexels) {
   }
 }
 
+// A white quadrilateral, far larger than the picture.
+TEST(Device, LightsLightInTheirUnits) {
+  const auto lit = [](auto fill, const char* subtype) {
+    Application app;
+    Object* const g = app.create(geometry, "quad");
+    app.set(g, "vertex.position", float32_vec3,
+            std::vector<Point>{{-99, -99, 0}, {99, -99, 0}, {99, 99, 0}, {-99, 99, 0}});
+    Object* const s = app.surface(g, app.matte({1, 1, 1}));
+    Object* const l = app.create(light, subtype);
+    fill(app, l);
+    app.commit(l);
+    Object* const w = app.create(world);
+    app.set(w, "surface", surface, std::vector{s}), app.set(w, "light", light, std::vector{l});
+    app.commit(w);
+    Frame* const frame = app.frame(w, 33, 33);
+    Object* const r = app.create(renderer, "default");
+    app.set(r, "ambientRadiance", float32, 0.0f);
+    app.set(r, "ambientColor", float32_vec3, Point{0, 0, 0});
+    app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+    const float out = app.render(frame)[4 * (16 * 33 + 16)];
+    EXPECT_EQ(app.all_messages(), "");
+    return double(out);
+  };
+  const double pi = std::numbers::pi;
+  EXPECT_NEAR(lit([](Application& app, Object* l) { app.set(l, "irradiance", float32, 2.0f); },
+                  "directional"),
+              2 / pi, 1e-4);
+  const auto above = [](Application& app, Object* l) {
+    app.set(l, "position", float32_vec3, Point{0, 0, 2});
+    app.set(l, "intensity", float32, 3.0f);
+  };
+  EXPECT_NEAR(lit(above, "point"), 3 / (4 * pi), 1e-3);
+  // A cone narrower than its border: a spot whose light falls off from its middle.
+  const double spot = lit(
+      [&](Application& app, Object* l) {
+        above(app, l);
+        app.set(l, "openingAngle", float32, 0.1f);
+      },
+      "spot");
+  EXPECT_GT(spot, 0.05);
+  EXPECT_LT(spot, 3 / (4 * pi));
+  EXPECT_NEAR(lit(
+                  [](Application& app, Object* l) {
+                    Object* const image = app.device.create_array(array2d, nullptr, nullptr,
+                                                                  nullptr, float32_vec3, {2, 1, 1});
+                    const std::array<float, 6> half = {0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
+                    std::memcpy(app.device.map(image), half.data(), sizeof half);
+                    app.device.unmap(image);
+                    app.set(l, "radiance", image);
+                  },
+                  "hdri"),
+              0.5, 1e-3);
+}
+
 TEST(Device, AccumulationEqualsOneLongFrame) {
   Application app;
   Object* const world =

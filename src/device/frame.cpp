@@ -202,13 +202,14 @@ std::optional<Frame::Task> Frame::begin() {
     const std::string_view look = renderer->word("look");
     if (look == "application" && !options.contains("look")) {
       const bool lights = task.world->has_lights && renderer->is_on("lights", true);
-      if (task.world->has_environment && renderer->find("ambientRadiance"))
+      // Beside an hdri light, no other light comes from all sides.
+      Vec3d sky(1);
+      if (!task.world->has_environment)
+        sky = renderer->vec3("ambientColor", sky) *
+              double(renderer->get("ambientRadiance", lights ? 0.0f : 1.0f));
+      else if (renderer->get("ambientRadiance", 0.0f) > 0)
         renderer->warn("'ambientRadiance' is ignored beside an hdri light");
-      const double radiance = double(task.world->has_environment
-                                         ? 1.0f
-                                         : renderer->get("ambientRadiance", lights ? 0.0f : 1.0f));
-      const Vec3d color = renderer->vec3("ambientColor", {1, 1, 1}) * radiance;
-      s.set("look", "matte-1").set("sky-light", triple(color));
+      s.set("look", "matte-1").set("sky-light", triple(sky));
       s.set("key-light", lights ? "scene" : "off");
     } else if (look != "application") {
       s.set("look", look);

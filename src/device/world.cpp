@@ -149,8 +149,8 @@ class Translation {
     Light light;
     light.position = triple(placed(place, object.vec3("position", {0, 0, 0}), true));
     light.direction = triple(placed(place, object.vec3("direction", {0, 0, -1}), false));
-    light.opening = number("openingAngle", kPi) * 180 / kPi;
-    light.falloff = number("falloffAngle", 0.1) * 180 / kPi;
+    light.opening = std::clamp(number("openingAngle", kPi) * 180 / kPi, 0.0, 360.0);
+    light.falloff = std::clamp(number("falloffAngle", 0.1) * 180 / kPi, 0.0, light.opening / 2);
     const bool has_power = object.find("power") != nullptr,
                has_radiance = object.find("radiance") != nullptr;
     const double radius = std::abs(number("radius", 0));
@@ -158,7 +158,7 @@ class Translation {
       object.warn("eye rays do not see lights");
     if (kind == "directional") {
       light.kind = Light::Kind::directional;
-      light.angular_diameter = number("angularDiameter", 0) * 180 / kPi;
+      light.angular_diameter = std::clamp(number("angularDiameter", 0) * 180 / kPi, 0.0, 170.0);
       const double half = number("angularDiameter", 0) / 2;
       scaled(has_radiance && half > 0
                  ? number("radiance", 0) * kPi * core::exact_sin(half) * core::exact_sin(half)

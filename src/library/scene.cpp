@@ -190,20 +190,35 @@ void Scene::add_light(Triple position, std::optional<Triple> color, double size)
   data_->scene.lights.push_back(light);
 }
 
+namespace {
+
+// Refuses what no scene may contain.
+void check_part_of_scene(core::Scene alone) {
+  alone.materials.emplace_back();
+  if (const auto problems = validate(alone); !problems.empty()) refuse(problems.front());
+}
+
+}  // namespace
+
 void Scene::add_light(const Light& l) {
-  data_->scene.physical_lights.push_back({.kind = LightKind(l.kind),
-                                          .color = rgb(l.color),
-                                          .position = Vec3f(vec(l.position) - data_->scene.origin),
-                                          .direction = Vec3f(vec(l.direction)),
-                                          .angular_diameter = float(l.angular_diameter),
-                                          .opening = float(l.opening),
-                                          .falloff = float(l.falloff),
-                                          .edge1 = Vec3f(vec(l.edge1)),
-                                          .edge2 = Vec3f(vec(l.edge2)),
-                                          .front = l.front,
-                                          .back = l.back,
-                                          .radius = float(l.radius),
-                                          .inner_radius = float(l.inner_radius)});
+  guarded([&] {
+    core::Scene alone;
+    alone.physical_lights.push_back({.kind = LightKind(l.kind),
+                                     .color = rgb(l.color),
+                                     .position = Vec3f(vec(l.position) - data_->scene.origin),
+                                     .direction = Vec3f(vec(l.direction)),
+                                     .angular_diameter = float(l.angular_diameter),
+                                     .opening = float(l.opening),
+                                     .falloff = float(l.falloff),
+                                     .edge1 = Vec3f(vec(l.edge1)),
+                                     .edge2 = Vec3f(vec(l.edge2)),
+                                     .front = l.front,
+                                     .back = l.back,
+                                     .radius = float(l.radius),
+                                     .inner_radius = float(l.inner_radius)});
+    check_part_of_scene(alone);
+    data_->scene.physical_lights.append(alone.physical_lights);
+  });
 }
 
 void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, Triple up,
@@ -214,11 +229,14 @@ void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, T
     if (count > kMaxTexels || (count > 0 && !rgb) || !width != !height)
       refuse(fmt::format("an environment has 1 to {} pixels, or is 0 x 0; found {} x {}{}",
                          kMaxTexels, width, height, rgb ? "" : " at a null pointer"));
-    scene.environment.clear(), scene.environment_texels.clear();
-    if (count == 0) return;
-    scene.environment = {{width, height, Vec3f(vec(up)), Vec3f(vec(direction)), visible}};
-    const auto* const texels = reinterpret_cast<const Rgb*>(rgb);
-    scene.environment_texels = Array<Rgb>(texels, texels + count);
+    core::Scene alone;
+    if (count > 0) {
+      alone.environment = {{width, height, Vec3f(vec(up)), Vec3f(vec(direction)), visible}};
+      const auto* const texels = reinterpret_cast<const Rgb*>(rgb);
+      alone.environment_texels = Array<Rgb>(texels, texels + count);
+      check_part_of_scene(alone);
+    }
+    scene.environment = alone.environment, scene.environment_texels = alone.environment_texels;
   });
 }
 
@@ -250,8 +268,8 @@ uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb,
     uint32_t* to = scene.texels.data() + first;
     for (size_t i = 0; i < count; ++i, rgb += 3)
       to[i] = uint32_t(rgb[0]) | uint32_t(rgb[1]) << 8 | uint32_t(rgb[2]) << 16;
-    scene.textures.push_back({uint32_t(first), width, height, core::TextureWrap(wrap_u),
-                              core::TextureWrap(wrap_v)});
+    scene.textures.push_back(
+        {uint32_t(first), width, height, core::TextureWrap(wrap_u), core::TextureWrap(wrap_v)});
     return uint32_t(scene.textures.size() - 1);
   });
 }
