@@ -72,7 +72,7 @@ enum class DataType : int32_t {
   uint64_region1 = 2104,
 };
 
-/// How numbers are stored. `fixed` numbers are from -1 to 1, `ufixed` from 0 to 1.
+/// How numbers are stored. Fixed-point numbers are from -1 to 1, unsigned ones from 0 to 1.
 enum class Scalar : uint8_t {
   int8,
   uint8,
