@@ -67,6 +67,9 @@ class Adder {
     else
       kept_all_ = true;
     if (count() == 0) return;
+    if (look_.varies() && !look_.mask && shapes_.corners > 1 &&
+        (look_.opacity.rate > Rate::primitive || look_.color.rate > Rate::primitive))
+      geometry_.warn("opacities are those of whole primitives");
     if (geometry_.subtype == "sphere")
       add_spheres();
     else if (shapes_.corners == 2)
@@ -246,6 +249,7 @@ class Adder {
       }
       if (!(length > 0) || (radii[0] == 0 && radii[1] == 0)) continue;
       const int steps = blends && colors[0] != colors[1] ? kSteps : 1;
+      if (steps > 1) geometry_.warn("colours change along it in eight steps");
       const auto between = [](float x, float y, int step, int all) {
         return step == all ? y : float(double(x) + (double(y) - double(x)) * step / all);
       };
@@ -392,7 +396,7 @@ class Adder {
         }
         materials.push_back(*level);
       }
-      geometry_.warn("opacities that vary are those of whole triangles, in steps of 1/64");
+      geometry_.warn("opacities are in steps of 1/64");
     } else {
       materials.push_back(material(false));
     }
