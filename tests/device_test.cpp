@@ -237,6 +237,62 @@ TEST(Device, InstancesHaveTheirNumbersAndColours) {
   EXPECT_FLOAT_EQ(color[4 * (row + 21)], 1);
 }
 
+// The look's own light replaces the world's.
+TEST(Device, LooksHaveTheLibrarysBytes) {
+  Application app;
+  Object* const l = app.create(light, "directional");
+  app.commit(l);
+  Object* const w = app.create(world);
+  Object* const s = app.surface(app.spheres({{0, 0, 0}}, 1), app.matte({0.2f, 0.4f, 0.6f}));
+  app.set(w, "surface", surface, std::vector{s}), app.set(w, "light", light, std::vector{l});
+  app.commit(w);
+  Frame* const frame = app.frame(w, 40, 40);
+  Object* const r = app.create(renderer, "default");
+  app.set(r, "look", "paper"), app.set(r, "pixelSamples", int32, 4);
+  app.set(r, "background", float32_vec4, std::array<float, 4>{0, 0, 0, 0});
+  app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+
+  raio::Scene scene;
+  scene.set_figure(true);
+  raio::Material blue;
+  blue.color = {double(0.2f), double(0.4f), double(0.6f)}, blue.kd = 1;
+  const float radius = 1, center[] = {0, 0, 0};
+  scene.add_spheres({center, 1}, {&radius, 1}, scene.add_material(blue));
+  raio::Settings settings;
+  settings.set("size", {40, 40}).set("from", {0, 0, 5}).set("at", {0, 0, 4}).set("up", {0, 1, 0});
+  settings.set("fov", 60).set("samples", 4).set("background", "transparent").set("look", "paper");
+  EXPECT_TRUE(app.render(frame) == flipped(raio::Job(scene, settings).run().rgba(), 40 * 4));
+  EXPECT_EQ(app.all_messages(), "");
+}
+
+TEST(Device, ViewsShowNormals) {
+  Application app;
+  Frame* const frame = app.frame(
+      app.world({app.surface(app.spheres({{0, 0, 0}}, 1), app.matte({1, 0, 0}))}), 33, 33);
+  Object* const r = app.create(renderer, "views");
+  app.set(r, "view", "normals");
+  app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+  const std::vector<float> pixels = app.render(frame);
+  const float* const middle = &pixels[4 * (16 * 33 + 16)];  // its normal is +z
+  EXPECT_NEAR(middle[0], 0.5f, 0.03f);
+  EXPECT_NEAR(middle[1], 0.5f, 0.03f);
+  EXPECT_GT(middle[2], 0.9f);
+  EXPECT_EQ(app.all_messages(), "");
+}
+
+TEST(Device, OptionsOfTheEnvironmentAreChecked) {
+  Application app;
+  Frame* const frame = app.frame(
+      app.world({app.surface(app.spheres({{0, 0, 0}}, 1), app.matte({1, 1, 1}))}), 20, 20);
+  ASSERT_EQ(setenv("RAIO_OPTIONS", "size=4x4 samples=many outline=2 nothing=1", 1), 0);
+  const std::vector<float> outlined = app.render(frame);
+  unsetenv("RAIO_OPTIONS");
+  EXPECT_EQ(outlined.size(), 4u * 20 * 20);
+  EXPECT_FALSE(outlined == app.render(frame));
+  for (const char* name : {"size cannot be set here", "samples", "nothing"})
+    EXPECT_NE(app.all_messages().find(name), std::string::npos) << app.all_messages();
+}
+
 // Of the same points: indices, soups and other types of the same numbers.
 TEST(Device, EqualGeometriesHaveEqualPictures) {
   const std::vector<Point> corners = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0.5f}};

@@ -110,8 +110,8 @@ class Scene(Strict):
             opacity: a number or (N,), 0 to 1.
             material: the surface; None: matt.
             cmap: a colour map, see raio.colormap().
-            vmin: the value of its first colour; None: the smallest of these, and it stays so (Part.clim).
-            vmax: the value of its last colour; None: the largest, likewise.
+            vmin: the value of its first colour; None: the smallest of the first `colors` (Part.clim).
+            vmax: the value of its last colour; None: the largest of the first `colors`.
 
         Raises:
             TypeError: an argument is not numeric.

@@ -24,6 +24,11 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::string_view kChannelPrefix = "channel.";
 
 // Options of `raio render` for applications that cannot set them: name=value, separated by blanks.
+// Applications set the others, such as the size.
+constexpr std::string_view kOptions[] = {"samples",   "seed",           "threads",
+                                         "accel",     "look",           "sky-light",
+                                         "key-light", "occlusion-rays", "occlusion-distance",
+                                         "outline",   "depth-cue"};
 std::map<std::string, std::string> options_of_environment() {
   std::map<std::string, std::string> out;
   const char* const text = std::getenv("RAIO_OPTIONS");  // NOLINT(concurrency-mt-unsafe)
@@ -169,6 +174,9 @@ std::optional<Frame::Task> Frame::begin() {
       if (!(part > 0 && low >= 0 && part + low <= 1 + 1e-6) || double(size[k]) / part > 100000)
         return refuse("the camera's 'imageRegion' must be within 0 to 1");
       task.whole[k] = uint32_t(std::lround(double(size[k]) / part));
+      if (const double exact = low * double(task.whole[k]);
+          std::abs(exact - std::round(exact)) > 1e-3)
+        camera->warn("'imageRegion' is rounded to whole pixels");
       task.shift[k] =
           std::min(uint32_t(std::lround(low * double(task.whole[k]))), task.whole[k] - size[k]);
     }
@@ -186,11 +194,23 @@ std::optional<Frame::Task> Frame::begin() {
   else
     task.background = renderer->get("background", std::array<float, 4>{0, 0, 0, 1});
   auto options = options_of_environment();
+  Settings own;  // their values
+  std::erase_if(options, [&](const auto& option) {
+    try {
+      own.set(option.first, option.second);
+      if (std::ranges::find(kOptions, option.first) != std::end(kOptions)) return false;
+      renderer->warn(fmt::format("RAIO_OPTIONS: {} cannot be set here; it can have {}",
+                                 option.first, fmt::join(kOptions, ", ")));
+    } catch (const Error& error) {
+      renderer->warn(fmt::format("RAIO_OPTIONS: {}", error.what()));
+    }
+    return true;
+  });
   const bool accumulates = is_on("accumulation", false);
-  task.samples =
-      uint32_t(std::clamp(renderer->get("pixelSamples", accumulates ? 4 : 16), 1, 65536));
-  if (const auto samples = options.extract("samples"))
-    task.samples = uint32_t(std::clamp(std::atoi(samples.mapped().c_str()), 1, 65536));
+  int samples = renderer->get("pixelSamples", accumulates ? 4 : 16);
+  if (const auto asked = options.extract("samples")) samples = std::stoi(asked.mapped());
+  if (samples < 1) return refuse("'pixelSamples' must be at least 1");
+  task.samples = uint32_t(samples);
   s.set("size", {task.whole[0], task.whole[1]}).set("from", triple(eye.from));
   s.set("at", triple(eye.from + eye.forward * eye.distance)).set("up", triple(eye.up));
   if (camera->subtype != "omnidirectional") s.set("fov", eye.fov_deg);
@@ -211,8 +231,9 @@ std::optional<Frame::Task> Frame::begin() {
         renderer->warn("'ambientRadiance' is ignored beside an hdri light");
       s.set("look", "matte-1").set("sky-light", triple(sky));
       s.set("key-light", lights ? "scene" : "off");
-    } else if (look != "application") {
-      s.set("look", look);
+    } else {
+      s.set("key-light", "on");
+      if (look != "application") s.set("look", look);
     }
     s.set("occlusion-rays", renderer->get("ambientSamples", 2));
     if (renderer->find("outline")) s.set("outline", double(renderer->get("outline", 0.0f)));
@@ -227,13 +248,7 @@ std::optional<Frame::Task> Frame::begin() {
       channels += (channels.empty() ? "" : ",") + std::string(channel);
   if (!channels.empty()) s.set("channels", channels);
 
-  for (const auto& [name, value] : options) {
-    try {
-      s.set(name, value);
-    } catch (const Error& error) {
-      renderer->warn(fmt::format("RAIO_OPTIONS: {}", error.what()));
-    }
-  }
+  for (const auto& [name, value] : options) s.set(name, value);
 
   // Frames of an unchanged scene continue the film.
   if (accumulates && film_ && film_stamp_ == task.stamp && world_ == task.world &&

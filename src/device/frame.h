@@ -46,7 +46,7 @@ class Frame final : public Object {
     double fov_deg = 0, distance = 1;  // at which the picture spans this angle
     std::string projection;            // the camera's subtype
   };
-  // What a frame depends on, taken when it begins.
+  // The inputs of a frame, copied when it begins.
   struct Task {
     std::shared_ptr<ShownWorld> world;
     Settings settings;
@@ -62,7 +62,7 @@ class Frame final : public Object {
     std::map<std::string, DataType, std::less<>> channels;
     std::optional<Film> begun;
   };
-  // What is mapped.
+  // The channels of a frame.
   struct Picture {
     std::array<uint32_t, 2> size{};
     std::vector<float> color, albedo, normal, depth;

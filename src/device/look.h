@@ -19,7 +19,7 @@ using Vector = std::array<double, 4>;
 
 Vector mixed(const Vector& a, const Vector& b, double part);
 
-/// Where values come from: one for all, or one per primitive, vertex, or corner of a primitive.
+/// A value may be constant, or differ by primitive, by vertex, or by corner of a primitive.
 enum class Rate { constant, primitive, vertex, corner };
 
 struct Element {

@@ -1,4 +1,5 @@
-// What the device takes: objects, their parameters, and the extensions of ANARI that it implements.
+// The objects that the device supports, with their parameters, and the extensions of ANARI that it
+// implements.
 #pragma once
 
 #include <array>

@@ -16,12 +16,6 @@ namespace {
 
 constexpr uint64_t kLargestTexture = 16384;  // of raio::Scene
 
-float positive(double x) { return float(std::isfinite(x) ? std::clamp(x, 0.0, 1e4) : 0); }
-
-std::array<float, 3> rgb_of(const Vector& v) {
-  return {positive(v[0]), positive(v[1]), positive(v[2])};
-}
-
 template <class T, size_t N>
 Column<float, N> column(const std::vector<T>& values) {
   return {reinterpret_cast<const float*>(values.data()), values.size(), sizeof(T)};
@@ -114,6 +108,15 @@ class Adder {
     for (uint64_t k = 1; k < shapes_.corners; ++k)
       sum = mixed(sum, look_.color.at(shapes_.element(primitive, k)), 1 / double(k + 1));
     return sum;
+  }
+  std::array<float, 3> rgb_of(const Vector& color) const {
+    std::array<float, 3> out;
+    for (size_t k = 0; k < 3; ++k) {
+      const bool sound = std::isfinite(color[k]) && color[k] >= 0 && color[k] <= 1e4;
+      if (!sound) geometry_.warn("colours that are not from 0 to 10,000 are cut, or black");
+      out[k] = sound ? float(color[k]) : color[k] > 1e4 ? 1e4f : 0;
+    }
+    return out;
   }
   std::array<float, 3> position(uint64_t vertex) const {
     std::array<float, 3> out;
@@ -223,7 +226,9 @@ class Adder {
         const uint64_t v = end ? b : a;
         const bool cap = caps ? v < caps->count() && *caps->at(v) != std::byte()
                               : closed == "both" || closed == (end ? "second" : "first");
-        if (round_ends_ || (curve && radii[e] > 0)) {
+        // Segments share the balls between them.
+        const bool shared = curve && end == 0 && i > 0 && shapes_.vertex(primitive(i - 1), 1) == a;
+        if (round_ends_ || (curve && radii[e] > 0 && !shared)) {
           balls.push_back(ends_of[e]);
           ball_radii.push_back(curve ? radii[e] : std::max(radii[0], radii[1]));
           ball_looks.add(rgb_of(colors[e]), opacity, p);
@@ -508,6 +513,7 @@ class Adder {
 
   // Textures hold display values.
   uint8_t texel_byte(double value) const {
+    if (!(value >= 0 && value <= 1)) geometry_.warn("texels that are not from 0 to 1 are cut");
     return display_byte(geometry_.device.display_colors ? light_of_display(value) : value);
   }
 

@@ -22,7 +22,7 @@ struct Range {
   uint32_t instance_id = 0xffffffffu;
 };
 
-/// What was added to a scene.
+/// The primitives that were added to a scene.
 struct Part {
   std::vector<Range> ranges;
 

@@ -65,8 +65,8 @@ constexpr StyleParams params_of(FigureStyle look) {
   return {Rgb(1), 0.62f, 0.5f, 0.06f, 30, 0, 0, 0.22f, 0.12f, true};
 }
 
-/// What lights figures besides the sky: nothing, a light over the viewer's left shoulder, or the
-/// scene's own lights.
+/// The light of figures besides the sky: none, one over the viewer's left shoulder, or the scene's
+/// own lights.
 enum class KeyLight : uint8_t { off, on, scene };
 
 /// The settings of a figure, besides those of all pictures.

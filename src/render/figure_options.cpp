@@ -29,7 +29,9 @@ std::expected<void, std::string> set_sky_light(RenderOptions& options, const Opt
     return {};
   }
   const auto color = parse_color(text, limits);
-  if (!color) return std::unexpected(color.error() + ", or one number for grey");
+  constexpr std::string_view kExpected = "expected ";  // begins the error
+  if (!color)
+    return std::unexpected("expected a number, or " + color.error().substr(kExpected.size()));
   options.sky_light = color->encoded ? linear_from_srgb(color->color) : color->color;
   return {};
 }

@@ -44,7 +44,7 @@ bool same_camera(const Camera& a, const Camera& b) {
 // Windows have any shape: the camera shows the data in a square and in anything wider.
 Camera first_camera(RenderOptions o, const Scene& scene) {
   if (o.width == 0 || o.height == 0) o.width = o.height = 512;
-  // What the window draws over pictures has no omnidirectional form.
+  // The overlays of the window support no omnidirectional projection.
   if (camera_of(scene, o).is_omnidirectional()) o.projection = core::Projection::perspective;
   return resolve_options(o, scene).camera;
 }
