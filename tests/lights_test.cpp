@@ -389,7 +389,7 @@ TEST(Lights, SkyLightIsANumberOrAColour) {
   EXPECT_EQ(options.sky_light, Rgb(1));
   for (const char* wrong : {"", "bright", "1,2", "-1", "1,1,nan", "1e7", "transparent"})
     EXPECT_THAT(set_option(options, sky, wrong).error().text(),
-                HasSubstr("sky-light: expected a colour"))
+                HasSubstr("sky-light: expected a number, or a colour"))
         << wrong;
 }
 
