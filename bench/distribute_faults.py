@@ -19,9 +19,10 @@ import time
 import warnings
 from pathlib import Path
 
+import dask
 import numpy as np
 import raio
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, Status
 
 OPTIONS = {"size": (640, 480), "samples": 256}
 
@@ -34,6 +35,8 @@ def make_scene():
 
 
 def cluster_of(workers, **options):
+    # Else a LocalCluster drops workers that happen to be dead twice, 15 seconds apart.
+    dask.config.set({"distributed.deploy.lost-worker-timeout": "1h"})
     return LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None,
                         scheduler_kwargs={"allowed_failures": 10}, **options)
 
@@ -70,7 +73,10 @@ def kills(want, count, workers):
             while not stop.wait(rng.uniform(0.5, 1.5)):
                 if len(killed) >= count:
                     return
-                nannies = [worker for worker in cluster.workers.values() if worker.process and worker.process.pid]
+                # Dask gives up a worker that ends while it starts.
+                nannies = [worker for worker in cluster.workers.values()
+                           if worker.status == Status.running and worker.process
+                           and worker.process.status == Status.running]
                 if nannies:
                     os.kill(rng.choice(nannies).process.pid, signal.SIGKILL)
                     killed.append(time.monotonic())
@@ -89,12 +95,12 @@ def kills(want, count, workers):
 
 
 def connections(want, workers):
-    """The client's connection to the scheduler breaks every two seconds."""
+    """The client's connection to the scheduler breaks again and again."""
     stop, broken = threading.Event(), []
     with cluster_of(workers) as cluster, Client(cluster) as client:
 
         def cut():
-            while not stop.wait(2):
+            while not stop.wait(0.7):
                 if client.status == "running" and len(broken) < 4:
                     client.loop.add_callback(client.scheduler_comm.comm.abort)
                     broken.append(1)
@@ -110,20 +116,19 @@ def connections(want, workers):
 def full_disk(want, workers):
     """Workers whose folder for spilled data is full."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", folder])
+        done = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8m", "tmpfs", folder])
         if done.returncode:
             return "full disk of the workers: cannot be mounted here", 0, 0, True
         try:
             with cluster_of(workers, local_directory=folder, memory_limit="400 MB") as cluster, \
                     Client(cluster) as client:
                 client.wait_for_workers(workers)
-                with open(Path(folder) / "filler", "wb") as filler:
-                    try:
+                try:
+                    with open(Path(folder) / "filler", "wb", buffering=0) as filler:
                         while True:
                             filler.write(bytes(1 << 12))
-                            filler.flush()
-                    except OSError:
-                        pass
+                except OSError:
+                    pass
                 image, seconds, share = rendered(client)
         finally:
             subprocess.run(["umount", "-l", folder])
@@ -150,7 +155,7 @@ def clients(want, workers):
         while True:
             process = subprocess.Popen([sys.executable, "-c", script])
             try:
-                if process.wait(rng.uniform(2.5, 5) if kills < 8 else 600) == 0:
+                if process.wait(rng.uniform(1.2, 2) if kills < 8 else 600) == 0:
                     break
                 raise RuntimeError("the client failed")
             except subprocess.TimeoutExpired:

@@ -74,10 +74,10 @@ class Tasks:
                 self._cores = 0
             self._asked = time.monotonic()
             if self._cores:
-                self._patient_until = math.inf
+                self._patient_until = self._asked + 20
             elif self._asked > self._patient_until:
                 self._patient_until = math.inf
-                warnings.warn("the cluster has no workers yet; waiting for them", RuntimeWarning, stacklevel=4)
+                warnings.warn("the cluster has no workers; waiting for some", RuntimeWarning, stacklevel=4)
         return self._cores
 
     def enough(self) -> int:

@@ -61,8 +61,9 @@ def render(scene: Scene | AnyPath, *, client: distributed.Client | None = None, 
         ConnectionError: the scheduler is gone.
 
     Examples:
+        >>> import raio
         >>> from dask.distributed import Client
-        >>> client = Client(n_workers=2, threads_per_worker=1, dashboard_address=":0")
+        >>> client = Client(processes=False, dashboard_address=":0")
         >>> scene = raio.Scene()
         >>> ball = scene.spheres([[0, 0, 0]], 1)
         >>> raio.distribute.render(scene, client=client, size=(64, 48))
@@ -298,15 +299,12 @@ def animate(frames: Sequence[Frame] | Callable[[int], Frame], path: AnyPath, *,
         RuntimeError, MemoryError, ConnectionError: as for render().
 
     Examples:
+        >>> import raio
         >>> def frame(i):
         ...     scene = raio.Scene()
         ...     scene.spheres([[0, 0, 0], [1 + i, 0, 0]], 1)
         ...     return scene
-        >>> from dask.distributed import Client
-        >>> client = Client(n_workers=2, threads_per_worker=1, dashboard_address=":0")
-        >>> len(raio.distribute.animate(frame, "out/frame-{:04d}.png", client=client, count=4, size=(64, 48)))
-        4
-        >>> client.shutdown()
+        >>> raio.distribute.animate(frame, "out/frame-{:04d}.png", client=client, count=100)  # doctest: +SKIP
     """
     movie = _Movie(frames, os.fspath(path), count, dict(options))
     with Reporter(progress) as reporter, Tasks(client, f"raio-frame-{os.urandom(8).hex()}") as tasks:

@@ -46,8 +46,9 @@ std::string overlap(const Film& film, const NamedPart& part, std::string_view ot
   size_t twice = 0;
   SampleSpan both;
   for (size_t t = 0; t < film.tiles(); ++t)
-    if (const SampleSpan here = film.samples(t).overlap(part.part.film->samples(t)); !here.empty())
-      if (++twice == 1) both = here;
+    if (const SampleSet has = part.part.film->samples(t); !has.empty())
+      if (const SampleSpan here = film.samples(t).overlap(has); !here.empty())
+        if (++twice == 1) both = here;
   if (twice == 0) return {};
   return fmt::format(
       "it and {} both have samples {}:{} in {} of the {} tiles; leave one of them out", other,

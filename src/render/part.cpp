@@ -305,17 +305,21 @@ std::expected<Part, Error> decode_part(std::string_view file) {
 
   part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side),
                                      options->channels, header.shards > 1);
-  std::vector<std::string_view> texts(tiles);
-  for (std::string_view& text : texts) text = skip_tile(bytes, part.film->layout());
-  if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
-  std::vector<std::string> wrong(tiles);
-  parallel_for(tiles, [&](size_t t) {
-    ByteReader tile(texts[t]);
-    wrong[t] = take_tile(tile, t, header, within, *part.film);
-    if (wrong[t].empty() && (tile.ended || tile.left() > 0)) wrong[t] = "it ends early";
-  });
+  // A part may have few of many tiles.
+  std::vector<std::pair<size_t, std::string_view>> texts;
   for (size_t t = 0; t < tiles; ++t)
-    if (!wrong[t].empty()) return broken(fmt::format("tile {}: {}", t, wrong[t]));
+    if (const auto text = skip_tile(bytes, part.film->layout()); text.size() > sizeof(uint32_t))
+      texts.emplace_back(t, text);
+  if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
+  std::vector<std::string> wrong(texts.size());
+  parallel_for(texts.size(), [&](size_t i) {
+    const auto [t, text] = texts[i];
+    ByteReader tile(text);
+    wrong[i] = take_tile(tile, t, header, within, *part.film);
+    if (wrong[i].empty() && (tile.ended || tile.left() > 0)) wrong[i] = "it ends early";
+  });
+  for (size_t i = 0; i < texts.size(); ++i)
+    if (!wrong[i].empty()) return broken(fmt::format("tile {}: {}", texts[i].first, wrong[i]));
   return part;
 }
 
