@@ -112,7 +112,8 @@ TEST_F(Commands, OneThreadIsOneFromReadingToWriting) {
   };
   const char* const size = tests::if_sanitized("60x40", "300x200");
   const auto work = [&](const char* threads) {
-    const auto before = threads_now();  // a sanitizer may have one of its own
+    std::thread([] {}).join();  // with the first thread, a sanitizer starts one of its own
+    const auto before = threads_now();
     std::vector<std::string> words = {"raio",         "render",       scene,       "-o",
                                       picture,        "--quiet",      "--size",    size,
                                       "--checkpoint", path("c.raio"), "--threads", threads};
@@ -128,7 +129,9 @@ TEST_F(Commands, OneThreadIsOneFromReadingToWriting) {
     std::_Exit(status == kDone && after == before ? 0 : 1);
   };
   EXPECT_EXIT(work("1"), testing::ExitedWithCode(0), "");
+#ifndef __SANITIZE_THREAD__  // oneTBB's threads end there before they can be counted
   EXPECT_EXIT(work("2"), testing::ExitedWithCode(1), "");  // so it is told
+#endif
 }
 
 TEST_F(Commands, InfoCountsPrimitives) {

@@ -64,10 +64,11 @@ template <class T>
 void put_numbers(std::string& out, const std::vector<T>& numbers) {
   if (numbers.empty()) return;
   const std::string planes = to_planes(std::span(numbers));
-  std::string packed(compressBound(planes.size()), '\0');
-  uLongf size = packed.size();
+  const auto whole = uLong(planes.size());  // which has 32 bits on Windows, enough for a tile
+  std::string packed(compressBound(whole), '\0');
+  auto size = uLongf(packed.size());
   const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                             reinterpret_cast<const Bytef*>(planes.data()), planes.size(), 1);
+                             reinterpret_cast<const Bytef*>(planes.data()), whole, 1);
   packed.resize(size);
   put_text(out, done == Z_OK && size < planes.size() ? packed : planes);
 }
@@ -127,9 +128,9 @@ bool take_numbers(ByteReader& bytes, size_t count, std::vector<T>& numbers) {
   std::string planes;
   if (text.size() != count * sizeof(T)) {
     planes.resize(count * sizeof(T));
-    uLongf size = planes.size();
+    auto size = uLongf(planes.size());
     const int done = uncompress(reinterpret_cast<Bytef*>(planes.data()), &size,
-                                reinterpret_cast<const Bytef*>(text.data()), text.size());
+                                reinterpret_cast<const Bytef*>(text.data()), uLong(text.size()));
     if (done != Z_OK || size != planes.size()) return false;
   }
   numbers = from_planes<T>(planes.empty() ? text : planes);

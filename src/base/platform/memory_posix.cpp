@@ -121,7 +121,11 @@ void use_large_pages([[maybe_unused]] void* begin, [[maybe_unused]] size_t bytes
 size_t peak_memory_bytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__  // in bytes, not in KiB
+  return size_t(usage.ru_maxrss);
+#else
   return size_t(usage.ru_maxrss) * 1024;
+#endif
 }
 
 }  // namespace raio::core
