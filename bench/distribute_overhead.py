@@ -21,7 +21,7 @@ def main():
     parser.add_argument("options", nargs="*", metavar="option=value")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=3)
-    wanted = parser.parse_args()
+    wanted = parser.parse_intermixed_args()
     options = dict(text.split("=", 1) for text in wanted.options)
     ratios = []
     for _ in range(wanted.rounds):
