@@ -1,12 +1,13 @@
-# Compiles for Linux with zig, a clang that brings the C and C++ libraries of its targets. tools/wheels writes the
+# Compiles with zig, a clang that brings the C and C++ libraries of its targets. tools/wheels writes the
 # programs in $RAIO_ZIG/bin, which know their target, and builds the static libraries in $RAIO_ZIG.
 set(RAIO_ZIG $ENV{RAIO_ZIG})
-set(CMAKE_SYSTEM_NAME Linux)
-set(CMAKE_SYSTEM_PROCESSOR $ENV{RAIO_ZIG_TARGET})
+set(CMAKE_SYSTEM_NAME $ENV{RAIO_ZIG_SYSTEM})
+set(CMAKE_SYSTEM_PROCESSOR $ENV{RAIO_ZIG_PROCESSOR})
 set(CMAKE_C_COMPILER ${RAIO_ZIG}/bin/cc)
 set(CMAKE_CXX_COMPILER ${RAIO_ZIG}/bin/c++)
 set(CMAKE_AR ${RAIO_ZIG}/bin/ar)
 set(CMAKE_RANLIB ${RAIO_ZIG}/bin/ranlib)
+set(CMAKE_RC_COMPILER ${RAIO_ZIG}/bin/rc)  # for Windows
 
 set(CMAKE_FIND_ROOT_PATH ${RAIO_ZIG})
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

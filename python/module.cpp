@@ -231,6 +231,11 @@ raio::Film render(const raio::Accel& accel, const raio::Settings& settings, cons
   return std::move(*film);
 }
 
+// The film of a picture before its first sample.
+raio::Film begin(const raio::Scene& scene, const raio::Settings& settings) {
+  return unlocked([&] { return raio::Job(scene, settings).film(); });
+}
+
 // --- scenes
 
 raio::Appearance look(uint32_t material, const std::optional<Floats2>& colors,
@@ -503,7 +508,14 @@ void bind_film(nb::module_& m) {
            [](const Film& film, const std::string& format) {
              return bytes(unlocked([&] { return film.encode(format); }));
            })
-      .def("missing", &Film::missing)
+      .def("add",
+           [](Film& film, const nb::bytes& data) {
+             const std::string_view text(data.c_str(), data.size());
+             unlocked([&] { film.add(Film::from_bytes(text)); });
+           })
+      .def("missing", nb::overload_cast<>(&Film::missing, nb::const_))
+      .def("missing", nb::overload_cast<uint32_t, uint32_t>(&Film::missing, nb::const_))
+      .def("tiles", &Film::tiles)
       .def("samples", &Film::samples)
       .def("settings", &Film::settings)
       .def("set",
@@ -582,6 +594,7 @@ NB_MODULE(_raio, m) {
   bind_scene(m);
   bind_rays(m);
   bind_film(m);
+  m.def("begin", &begin);
   m.def("render", &render, "accel"_a, "settings"_a, "begun"_a.none(), "report"_a = nb::none());
   m.def("set_scene_error", [](nb::object type) { scene_error() = std::move(type); });
   m.def("drawing_problem", &raio::drawing_problem);

@@ -359,7 +359,8 @@ TEST(Bvh, RefusesScenesBeyondMemory) {
   const Geometry geometry(scene, scene);
   const auto bvh = build_bvh(geometry, {1000, "the limit of a test"});
   ASSERT_FALSE(bvh.has_value());
-  EXPECT_NE(bvh.error().find("0.0 GB are free within the limit of a test"), std::string::npos)
+  EXPECT_NE(bvh.error().find("0.0 GB of memory are free within the limit of a test"),
+            std::string::npos)
       << bvh.error();
   EXPECT_EQ(bvh.error().find('\n'), std::string::npos);
 }

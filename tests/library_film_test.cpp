@@ -117,6 +117,40 @@ TEST_F(LibraryParts, OfRandomSpansMergeToTheWholePicture) {
   EXPECT_FALSE(std::filesystem::exists(path("x.png")));
 }
 
+TEST_F(LibraryParts, AreAddedOneByOne) {
+  const raio::Film whole = rendered(twelve());
+  const auto part = [](const char* shard, const char* samples) {
+    return rendered(twelve().set("shard", shard).set("sample-range", samples));
+  };
+  using Spans = std::vector<std::array<uint32_t, 2>>;
+  raio::Film film = raio::Job(scene(), twelve()).film();  // not yet begun
+  EXPECT_EQ(film.tiles(), 12U);
+  EXPECT_EQ(film.missing(0, 1), Spans({{0, 12}}));
+  EXPECT_EQ(film.missing(11, 16), Spans({{0, 12}}));
+  EXPECT_EQ(film.missing(12, 16), Spans());  // has no tile
+  film.add(part("2/4", "3:7")).add(part("2/4", "9:12"));
+  EXPECT_EQ(film.missing(1, 4), Spans({{0, 3}, {7, 9}}));
+  EXPECT_EQ(film.missing(5, 8), Spans({{0, 3}, {7, 9}}));
+  EXPECT_EQ(film.missing(0, 2), Spans({{0, 12}}));
+  EXPECT_EQ(film.missing(1, 2), std::nullopt);
+  EXPECT_EQ(refusal([&] { static_cast<void>(film.missing(2, 2)); }), "shard 2 of 2 does not exist");
+
+  // What does not fit changes nothing.
+  const std::string before = film.to_bytes();
+  EXPECT_EQ(refusal([&] { film.add(part("1/1", "0:4")); }),
+            "the other film: it and this film both have samples 3:4 in 3 of the 12 tiles; leave "
+            "one of them out");
+  EXPECT_THAT(refusal([&] { film.add(rendered(twelve().set("seed", 3))); }),
+              HasSubstr("the other film: it does not match this film: seed 3, not 0"));
+  EXPECT_TRUE(film.to_bytes() == before);
+
+  for (const auto& [shard, samples] :
+       {std::pair("2/4", "0:3"), {"2/4", "7:9"}, {"4/4", "0:12"}, {"1/2", "0:12"}})
+    film.add(part(shard, samples));
+  EXPECT_TRUE(film.to_bytes() == whole.to_bytes());
+  EXPECT_EQ(film.missing(0, 1), Spans());
+}
+
 TEST_F(LibraryParts, ThatDoNotFitAreRefusedByName) {
   const auto range = [](const char* samples) {
     return rendered(twelve().set("sample-range", samples));

@@ -206,7 +206,8 @@ INSTANTIATE_TEST_SUITE_P(Pages, Page,
                                          "docs/experiments.md", "docs/performance.md",
                                          "docs/raio-scene.md", "docs/view.md", "docs/pictures.md",
                                          "docs/files.md", "docs/ambient.md", "docs/figures.md",
-                                         "docs/standard-scenes.md", "CONTRIBUTING.md"),
+                                         "docs/standard-scenes.md", "docs/cluster.md",
+                                         "CONTRIBUTING.md"),
                          name_of_page);
 
 INSTANTIATE_TEST_SUITE_P(

@@ -540,10 +540,20 @@ class RAIO_API Film {
   /// has, too.
   static Film merge(std::vector<Film> films);
 
+  /// Adds the samples of another film, exactly. The error gives the reason if it does not fit, as
+  /// for merge(); this film is then unchanged.
+  Film& add(Film other);
+
   /// Whether it has all samples that its settings request.
   bool complete() const;
   /// The missing samples, in one line; empty if it is complete.
   std::string missing() const;
+  /// The samples missing in every tile of a shard, counted from 0, as spans from the first to
+  /// before the last; nothing if its tiles miss different ones.
+  std::optional<std::vector<std::array<uint32_t, 2>>> missing(uint32_t shard,
+                                                              uint32_t shards) const;
+  /// The number of tiles; tile t is in the shard t modulo their number.
+  size_t tiles() const;
   /// The fewest and the most samples of a pixel, within its shard.
   std::array<uint32_t, 2> samples() const;
   /// All settings that affect the picture, including those from the scene, `shard` and

@@ -14,6 +14,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from . import distribute as distribute
     from ._annotations import AnnotationOptions as AnnotationOptions
     from ._color import colormap as colormap, linear as linear
     from ._files import load as load, render as render
@@ -69,6 +70,8 @@ def __getattr__(name: str) -> Any:
         from . import _raio
 
         value: Any = _raio.version()
+    elif name == "distribute":  # only where dask.distributed is installed
+        value = importlib.import_module("." + name, __name__)
     elif name in _WHERE:
         value = getattr(importlib.import_module("." + _WHERE[name], __name__), name)
     else:

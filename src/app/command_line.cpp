@@ -446,6 +446,7 @@ void add_spd(CLI::App& app, SpdVerifyCommand& verify, int& status) {
 int parse_and_run(std::vector<std::string> arguments, const Invocation& invocation) {
   CLI::App app("Raio: a fast, reproducible ray tracer for scenes, molecules, particles and meshes");
   app.name("raio");
+  app.allow_windows_style_options(false);  // a path may begin with a slash
   app.set_help_flag("-h", "Print the most common options");
   app.set_help_all_flag("--help", "Print all options; if one is repeated, the last counts");
   app.set_version_flag("--version", version_text(),
@@ -500,6 +501,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
 std::optional<ShownScene> shown_scene(const std::vector<std::string>& words) {
   const std::string command = words.empty() ? "" : words.front();
   CLI::App app;
+  app.allow_windows_style_options(false);
   int status = kDone;
   RenderCommand render;
   ViewCommand view;

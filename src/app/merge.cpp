@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <expected>
+#include <utility>
 
 #include "app/commands.h"
 #include "app/output.h"
@@ -16,18 +18,22 @@ int run(const MergeCommand& command) {
   const bool to_part = is_part_path(output);
   if (const auto why = output_problem(output)) return fail(*why);
 
-  std::vector<NamedPart> parts;
+  // One part at a time is in memory, beside the result.
+  NamedPart part;
   uint32_t shards = 1;
-  for (const std::string& path : command.parts) {
-    auto part = read_part(path);
-    if (!part) return fail(part.error());
-    if (parts.empty())
-      if (const auto why = output_problem(output, part->film->layout().channels()))
-        return fail(*why);
-    shards = std::max(shards, part->header.shards);
-    parts.push_back({path, std::move(*part)});
-  }
-  const auto merged = merge_parts(parts);
+  const auto read = [&](size_t i) -> std::expected<NamedPart*, Error> {
+    part = {command.parts[i], {}};
+    auto next = read_part(command.parts[i]);
+    if (!next) return std::unexpected(std::move(next.error()));
+    part.part = std::move(*next);
+    shards = std::max(shards, part.part.header.shards);
+    if (i == 0)
+      if (const auto why = output_problem(output, part.part.film->layout().channels()))
+        return std::unexpected(*why);
+    return &part;
+  };
+  const size_t count = command.parts.size();
+  const auto merged = merge_parts(count, read);
   if (!merged) return fail(merged.error());
   const std::string missing = missing_samples(*merged, shards);
   if (!missing.empty() && !to_part)
@@ -42,7 +48,7 @@ int run(const MergeCommand& command) {
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",
                            is_standard_output(output) ? "picture" : output, merged->film->width(),
-                           merged->film->height(), parts.size(), parts.size() == 1 ? "" : "s",
+                           merged->film->height(), count, count == 1 ? "" : "s",
                            missing.empty() ? "" : ", " + missing));
   return kDone;
 }

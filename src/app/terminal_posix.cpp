@@ -33,6 +33,16 @@ void on_signal(int) {
   errno = error;
 }
 
+/// A pipe that programs executed later do not inherit.
+bool open_pipe(int (&ends)[2]) {
+#ifdef __APPLE__  // without pipe2
+  return ::pipe(ends) == 0 && ::fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 &&
+         ::fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
+#else
+  return ::pipe2(ends, O_CLOEXEC) == 0;
+#endif
+}
+
 }  // namespace
 
 size_t terminal_columns() {
@@ -52,7 +62,7 @@ struct StopOnSignal::State {
 };
 
 StopOnSignal::StopOnSignal(WorkControl* control) : state_(std::make_unique<State>()) {
-  if (::pipe2(state_->wake, O_CLOEXEC) != 0) return;  // signals then have their default actions
+  if (!open_pipe(state_->wake)) return;  // signals then have their default actions
   g_wake = state_->wake[1];
   auto& before = state_->before;
   for (size_t i = 0; i < kStopSignals.size(); ++i) {

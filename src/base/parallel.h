@@ -19,6 +19,9 @@
 #include <tbb/task_group.h>
 
 #include <thread>
+// On Windows oneTBB includes the header of the system, which defines these names of ours.
+#undef near
+#undef far
 #endif
 
 namespace raio::core {

@@ -37,7 +37,7 @@ double scale_for(double bound) {
 
 }  // namespace
 
-Film::Film(int width, int height, double bound, int tile_side, ChannelSet channels)
+Film::Film(int width, int height, double bound, int tile_side, ChannelSet channels, bool is_sparse)
     : width_(width),
       height_(height),
       tile_side_(tile_side),
@@ -46,10 +46,10 @@ Film::Film(int width, int height, double bound, int tile_side, ChannelSet channe
       scale_(scale_for(bound_)),
       layout_(channels),
       states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
-      sums_(tiles(), tile_sums()),
-      means_(tiles(), size_t(layout_.means()) * tile_sums()),
-      squares_(tiles(), size_t(layout_.squares()) * tile_sums()),
-      firsts_(tiles(), size_t(layout_.firsts()) * tile_sums()) {}
+      sums_(tiles(), tile_sums(), is_sparse),
+      means_(tiles(), size_t(layout_.means()) * tile_sums(), is_sparse),
+      squares_(tiles(), size_t(layout_.squares()) * tile_sums(), is_sparse),
+      firsts_(tiles(), size_t(layout_.firsts()) * tile_sums(), is_sparse) {}
 
 Tile Film::tile(size_t index) const {
   const int x = int(index % size_t(columns_)) * tile_side_;

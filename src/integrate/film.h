@@ -122,8 +122,10 @@ class Film {
   static constexpr double kMinBound = 1e-30, kMaxBound = 1e38;
 
   /// `bound`, clamped to the range of the two constants above, limits a sample's value. The tiles'
-  /// side is a multiple of 8, at most kMaxTileSide; it does not affect the picture.
-  Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {});
+  /// side is a multiple of 8, at most kMaxTileSide; it does not affect the picture. A sparse film
+  /// takes memory only for tiles with samples.
+  Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {},
+       bool is_sparse = false);
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -195,10 +197,11 @@ class Film {
   // Numbers of all tiles, tile by tile.
   template <class T>
   struct Tiles {
-    Tiles(size_t tiles, size_t of_each)
-        : each(of_each), numbers(map(tiles * each * sizeof(T)), {tiles * each * sizeof(T)}) {}
-    static T* map(size_t bytes) {
-      return bytes == 0 ? nullptr : static_cast<T*>(map_zeroes(bytes));
+    Tiles(size_t tiles, size_t of_each, bool is_sparse)
+        : each(of_each),
+          numbers(map(tiles * each * sizeof(T), is_sparse), {tiles * each * sizeof(T)}) {}
+    static T* map(size_t bytes, bool is_sparse) {
+      return bytes == 0 ? nullptr : static_cast<T*>(map_zeroes(bytes, is_sparse));
     }
     T* of(size_t tile) const { return numbers.get() + tile * each; }
     void clear(size_t tile) const { std::fill_n(of(tile), each, T()); }

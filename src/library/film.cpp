@@ -130,9 +130,34 @@ Film Film::merge(std::vector<Film> films) {
   });
 }
 
+Film& Film::add(Film other) {
+  guarded_work(data_->threads, [&] {
+    const std::string& name = data_->name;
+    NamedPart whole{name.empty() ? "this film" : name, std::move(data_->part)};
+    const NamedPart more{other.data_->name.empty() ? "the other film" : other.data_->name,
+                         std::move(other.data_->part)};
+    const auto added = add_part(whole, more);
+    data_->part = std::move(whole.part);
+    if (!added) fail(added.error());
+  });
+  return *this;
+}
+
 bool Film::complete() const { return missing().empty(); }
 
 std::string Film::missing() const { return missing_samples(data_->part, data_->shards); }
+
+std::optional<std::vector<std::array<uint32_t, 2>>> Film::missing(uint32_t shard,
+                                                                  uint32_t shards) const {
+  if (shard >= shards) refuse(fmt::format("shard {} of {} does not exist", shard, shards));
+  const auto missing = missing_samples(data_->part, shard, shards);
+  if (!missing) return std::nullopt;
+  std::vector<std::array<uint32_t, 2>> spans;
+  for (const SampleSpan& s : missing->spans()) spans.push_back({s.first, s.end});
+  return spans;
+}
+
+size_t Film::tiles() const { return data_->part.film->tiles(); }
 
 std::array<uint32_t, 2> Film::samples() const {
   const SampleCounts counts = samples_of(data_->part);

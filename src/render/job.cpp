@@ -71,7 +71,8 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
   const Crop frame = settings_.frame();
-  if (auto why = picture_problem(frame.width(), frame.height(), settings_.channels))
+  if (auto why =
+          picture_problem(frame.width(), frame.height(), settings_.channels, request_.shards))
     return std::unexpected(std::move(*why));
   if (const uint32_t samples = samples_ > 0 ? samples_ : uint32_t(settings_.samples_per_pixel());
       request_.sample_range.end > samples)

@@ -215,7 +215,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
     if (std::string why = difference(part, settings); !why.empty())
       return std::unexpected(refused(start.film_name, std::move(why)));
   }
-  auto film = make_film(scene, used);
+  auto film = make_film(scene, used, request.shards);
   if (!film || !start.film) return film;
   if (start.film->bound() != (*film)->bound())
     return std::unexpected(refused(file, "its film belongs to another scene"));

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "render/part.h"
 
 namespace raio::core {
@@ -40,26 +41,14 @@ std::string misfit(const NamedPart& first, const NamedPart& p) {
   return {};
 }
 
-// Adds the part after those `before` it to the film; returns an error or nothing.
-std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> before) {
+// Why a film has samples of the part already, which is that of `other`; nothing if it has none.
+std::string overlap(const Film& film, const NamedPart& part, std::string_view other) {
   size_t twice = 0;
   SampleSpan both;
-  std::string_view other;
-  for (size_t t = 0; t < film.tiles(); ++t) {
-    const SampleSet samples = p.part.film->samples(t);
-    const SampleSpan here = film.samples(t).overlap(samples);
-    if (here.empty()) {
-      film.add(t, p.part.film->copy(t));
-      continue;
-    }
-    if (++twice > 1) continue;
-    both = here;
-    // The first part's film already has the samples of the others.
-    other = before.front().name;
-    for (const NamedPart& b : before.subspan(1))
-      if (const SampleSpan shared = b.part.film->samples(t).overlap(samples); !shared.empty())
-        other = b.name, both = shared;
-  }
+  for (size_t t = 0; t < film.tiles(); ++t)
+    if (const SampleSet has = part.part.film->samples(t); !has.empty())
+      if (const SampleSpan here = film.samples(t).overlap(has); !here.empty())
+        if (++twice == 1) both = here;
   if (twice == 0) return {};
   return fmt::format(
       "it and {} both have samples {}:{} in {} of the {} tiles; leave one of them out", other,
@@ -68,23 +57,67 @@ std::string add_part(Film& film, const NamedPart& p, std::span<const NamedPart> 
 
 }  // namespace
 
-std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
-  Part& first = parts.front().part;
-  for (size_t i = 1; i < parts.size(); ++i) {
-    std::string why = misfit(parts.front(), parts[i]);
-    if (why.empty()) why = add_part(*first.film, parts[i], parts.first(i));
-    if (!why.empty())
-      return std::unexpected(Error{ErrorKind::bad_input, parts[i].name, std::move(why)});
+std::expected<void, Error> add_part(NamedPart& whole, const NamedPart& part) {
+  Film& film = *whole.part.film;
+  std::string why = misfit(whole, part);
+  if (why.empty()) why = overlap(film, part, whole.name);
+  if (!why.empty()) return std::unexpected(Error{ErrorKind::bad_input, part.name, std::move(why)});
+  parallel_for(film.tiles(), [&](size_t t) {
+    if (!part.part.film->samples(t).empty()) film.add(t, part.part.film->copy(t));
+  });
+  return {};
+}
+
+std::expected<Part, Error> merge_parts(size_t count, const PartSource& part) {
+  const auto first = part(0);
+  if (!first) return std::unexpected(first.error());
+  NamedPart whole = std::move(**first);
+  for (size_t i = 1; i < count; ++i) {
+    const auto next = part(i);
+    if (!next) return std::unexpected(next.error());
+    auto added = add_part(whole, **next);
+    if (added) continue;
+    // The samples may be those of another than the first.
+    const NamedPart misfit = std::move(**next);
+    for (size_t j = i; --j > 0;)
+      if (const auto other = part(j))
+        if (std::string why = overlap(*(*other)->part.film, misfit, (*other)->name); !why.empty())
+          return std::unexpected(Error{ErrorKind::bad_input, misfit.name, std::move(why)});
+    return std::unexpected(std::move(added.error()));
   }
   // The merged part may have other final values.
-  std::erase_if(first.header.settings, [](const auto& s) { return s.first == "samples_done"; });
-  return Part{{first.header.settings, 0, 1}, std::move(first.film)};
+  Part& merged = whole.part;
+  std::erase_if(merged.header.settings, [](const auto& s) { return s.first == "samples_done"; });
+  return Part{{merged.header.settings, 0, 1}, std::move(merged.film)};
+}
+
+std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
+  return merge_parts(parts.size(), [&](size_t i) { return &parts[i]; });
+}
+
+namespace {
+
+SampleSpan wanted_samples(const Part& part) {
+  const auto options = options_from(part.header.settings, false);
+  return {0, options ? uint32_t(options->samples_per_pixel()) : 1};
+}
+
+}  // namespace
+
+std::optional<SampleSet> missing_samples(const Part& part, uint32_t shard, uint32_t shards) {
+  const SampleSpan wanted = wanted_samples(part);
+  std::optional<SampleSet> missing;
+  for (size_t t = shard; t < part.film->tiles(); t += shards) {
+    SampleSet here = part.film->samples(t).missing(wanted);
+    if (missing && *missing != here) return std::nullopt;
+    missing = std::move(here);
+  }
+  return missing ? std::move(missing) : SampleSet();
 }
 
 std::string missing_samples(const Part& part, uint32_t shards) {
   const Film& film = *part.film;
-  const auto options = options_from(part.header.settings, false);
-  const SampleSpan wanted{0, options ? uint32_t(options->samples_per_pixel()) : 1};
+  const SampleSpan wanted = wanted_samples(part);
   std::vector<size_t> missing(shards), all(shards);
   size_t tiles = 0, with_gaps = 0;
   SampleSet gaps;  // of the first tile with gaps

@@ -64,10 +64,11 @@ template <class T>
 void put_numbers(std::string& out, const std::vector<T>& numbers) {
   if (numbers.empty()) return;
   const std::string planes = to_planes(std::span(numbers));
-  std::string packed(compressBound(planes.size()), '\0');
-  uLongf size = packed.size();
+  const auto whole = uLong(planes.size());  // which has 32 bits on Windows, enough for a tile
+  std::string packed(compressBound(whole), '\0');
+  auto size = uLongf(packed.size());
   const int done = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                             reinterpret_cast<const Bytef*>(planes.data()), planes.size(), 1);
+                             reinterpret_cast<const Bytef*>(planes.data()), whole, 1);
   packed.resize(size);
   put_text(out, done == Z_OK && size < planes.size() ? packed : planes);
 }
@@ -111,6 +112,7 @@ class ByteReader {
     return taken;
   }
   size_t left() const { return left_.size(); }
+  std::string_view rest() const { return left_; }
 
   bool ended = false;
 
@@ -126,9 +128,9 @@ bool take_numbers(ByteReader& bytes, size_t count, std::vector<T>& numbers) {
   std::string planes;
   if (text.size() != count * sizeof(T)) {
     planes.resize(count * sizeof(T));
-    uLongf size = planes.size();
+    auto size = uLongf(planes.size());
     const int done = uncompress(reinterpret_cast<Bytef*>(planes.data()), &size,
-                                reinterpret_cast<const Bytef*>(text.data()), text.size());
+                                reinterpret_cast<const Bytef*>(text.data()), uLong(text.size()));
     if (done != Z_OK || size != planes.size()) return false;
   }
   numbers = from_planes<T>(planes.empty() ? text : planes);
@@ -190,6 +192,20 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
   if (!film.can_hold(tile)) return "a sum exceeds the bound of its samples";
   film.replace(index, tile);
   return {};
+}
+
+// The bytes of the next tile, unchecked.
+std::string_view skip_tile(ByteReader& bytes, const FilmLayout& layout) {
+  const std::string_view begin = bytes.rest();
+  const auto spans = bytes.number<uint32_t>();
+  bytes.take(size_t(spans) * 2 * sizeof(uint32_t));
+  if (spans > 0) {
+    bytes.take((kRayCounts.size() + 2) * sizeof(uint64_t));  // rays, and samples that are NaN
+    bytes.text();
+    for (const int planes : {layout.means(), layout.squares(), layout.firsts()})
+      if (planes > 0) bytes.text();
+  }
+  return begin.substr(0, begin.size() - bytes.left());
 }
 
 }  // namespace
@@ -285,15 +301,26 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   // Each tile takes at least four bytes, so a short file cannot request the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("the file is truncated");
-  if (auto why = picture_problem(int(width), int(height), options->channels))
+  if (auto why = picture_problem(int(width), int(height), options->channels, header.shards))
     return std::unexpected(std::move(*why));
 
-  part.film =
-      std::make_unique<Film>(int(width), int(height), bound, int(tile_side), options->channels);
+  part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side),
+                                     options->channels, header.shards > 1);
+  // A part may have few of many tiles.
+  std::vector<std::pair<size_t, std::string_view>> texts;
   for (size_t t = 0; t < tiles; ++t)
-    if (const std::string wrong = take_tile(bytes, t, header, within, *part.film); !wrong.empty())
-      return broken(fmt::format("tile {}: {}", t, wrong));
+    if (const auto text = skip_tile(bytes, part.film->layout()); text.size() > sizeof(uint32_t))
+      texts.emplace_back(t, text);
   if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
+  std::vector<std::string> wrong(texts.size());
+  parallel_for(texts.size(), [&](size_t i) {
+    const auto [t, text] = texts[i];
+    ByteReader tile(text);
+    wrong[i] = take_tile(tile, t, header, within, *part.film);
+    if (wrong[i].empty() && (tile.ended || tile.left() > 0)) wrong[i] = "it ends early";
+  });
+  for (size_t i = 0; i < texts.size(); ++i)
+    if (!wrong[i].empty()) return broken(fmt::format("tile {}: {}", texts[i].first, wrong[i]));
   return part;
 }
 

@@ -5,7 +5,9 @@
 
 #include <expected>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -57,9 +59,19 @@ struct NamedPart {
   Part part;
 };
 
-/// Merges all parts into the film of the first, giving the bytes of a single render. The error
-/// (bad_input) names the contradiction: different settings, samples in two parts.
+/// Adds the samples of a part to a film, exactly. The error (bad_input) names the contradiction:
+/// different settings, samples in both; the film is then unchanged.
+std::expected<void, Error> add_part(NamedPart& whole, const NamedPart& part);
+
+/// Merges parts into the film of the first, giving the bytes of a single render; errors as above.
+/// The source provides one part after another, each until the next is asked for, and on an error
+/// earlier ones again.
+using PartSource = std::function<std::expected<NamedPart*, Error>(size_t index)>;
+std::expected<Part, Error> merge_parts(size_t count, const PartSource& part);
 std::expected<Part, Error> merge_parts(std::span<NamedPart> parts);
+
+/// The samples missing in the tiles of a shard; nothing if its tiles miss different ones.
+std::optional<SampleSet> missing_samples(const Part& part, uint32_t shard, uint32_t shards);
 
 /// The missing tiles and samples of a part, tiles by shard; nothing if it is complete. `shards`:
 /// the number of shards of the picture.

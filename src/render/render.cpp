@@ -20,7 +20,7 @@
 
 namespace raio::core {
 
-std::optional<Error> picture_problem(int width, int height, ChannelSet channels) {
+std::optional<Error> picture_problem(int width, int height, ChannelSet channels, uint32_t shards) {
   const auto refused = [](const std::string& why) {
     return Error{ErrorKind::no_resource, "", why + "; choose a smaller `size`"};
   };
@@ -31,10 +31,12 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
   };
   const FilmLayout layout(channels);
   const double means = layout.means(), squares = layout.squares(), firsts = layout.firsts();
-  const double bytes = whole(width) * whole(height) *
-                           (sizeof(PixelSums) + means * sizeof(int64_t) +
-                            squares * sizeof(Uint128) + firsts * sizeof(uint32_t)) +
-                       double(pixels) * (sizeof(Rgb) + 6 + double(layout.planes()) * sizeof(float));
+  double bytes = whole(width) * whole(height) *
+                 (sizeof(PixelSums) + means * sizeof(int64_t) + squares * sizeof(Uint128) +
+                  firsts * sizeof(uint32_t)) /
+                 shards;
+  if (shards == 1)
+    bytes += double(pixels) * (sizeof(Rgb) + 6 + double(layout.planes()) * sizeof(float));
   if (const AvailableMemory available = available_memory(); bytes > 0.9 * double(available.bytes))
     return refused(fmt::format("a picture of {}x{} pixels needs {:.1f} GB and {}", width, height,
                                bytes * 1e-9, available.text()));
@@ -46,9 +48,10 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels)
 }
 
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
-                                                      const RenderSettings& settings) {
+                                                      const RenderSettings& settings,
+                                                      uint32_t shards) {
   const int width = settings.frame().width(), height = settings.frame().height();
-  if (auto why = picture_problem(width, height, settings.channels))
+  if (auto why = picture_problem(width, height, settings.channels, shards))
     return std::unexpected(std::move(*why));
   // Large tiles fill more batches with rays of later levels, as long as there are enough tiles for
   // all threads.
@@ -56,7 +59,7 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
   const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
   return std::make_unique<Film>(width, height, sample_bound(scene, settings),
-                                large ? kMaxTileSide : kTileSide, settings.channels);
+                                large ? kMaxTileSide : kTileSide, settings.channels, shards > 1);
 }
 
 namespace {

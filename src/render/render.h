@@ -33,13 +33,15 @@ struct RenderResult {
   double busy_s = 0;  // of all threads together, without waiting for the last tiles
 };
 
-/// Why a picture of this many pixels is impossible, or nothing: not enough memory (no_resource).
-/// Lets callers find out before they build a structure.
-std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {});
+/// Why a picture of this many pixels, or one of its shards, is impossible, or nothing: not enough
+/// memory (no_resource). Lets callers find out before they build a structure.
+std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {},
+                                     uint32_t shards = 1);
 
-/// An empty film for the rendered part of a picture, or picture_problem().
+/// An empty film for the rendered part of a picture, or one of its shards, or picture_problem().
 std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
-                                                      const RenderSettings& settings);
+                                                      const RenderSettings& settings,
+                                                      uint32_t shards = 1);
 
 /// Adds the missing samples to the film. If stopped, by its control or its executor, it returns
 /// soon and leaves its samples in the film; the same call continues from there, to the same bytes.

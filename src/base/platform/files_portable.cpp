@@ -5,6 +5,10 @@
 #include <cstdio>
 #include <system_error>
 #include <utility>
+#ifdef _WIN32
+#include <fcntl.h>
+#include <io.h>
+#endif
 
 #include "base/platform/files_parts.h"
 
@@ -28,6 +32,14 @@ std::unexpected<std::string> failed(int error) {
 Stream open_stream(const fs::path& path, const char* mode) {
   errno = 0;
   return Stream(std::fopen(path.string().c_str(), mode));
+}
+
+/// Keeps Windows from translating the ends of lines.
+std::FILE* binary(std::FILE* stream) {
+#ifdef _WIN32
+  ::_setmode(::_fileno(stream), _O_BINARY);
+#endif
+  return stream;
 }
 
 FileOutcome write_all(std::FILE* file, std::string_view bytes) {
@@ -164,7 +176,9 @@ FileOutcome check_replaceable(const fs::path& path) {
   return temporary ? FileOutcome() : std::unexpected(temporary.error());
 }
 
-FileOutcome write_standard_output(std::string_view bytes) { return write_all(stdout, bytes); }
+FileOutcome write_standard_output(std::string_view bytes) {
+  return write_all(binary(stdout), bytes);
+}
 
 FileOutcome check_standard_output() { return {}; }
 
@@ -179,7 +193,7 @@ InputFile& InputFile::operator=(InputFile&&) noexcept = default;
 InputFile::~InputFile() = default;
 
 std::expected<InputFile, std::string> InputFile::open(const fs::path& path) {
-  if (path == "/dev/stdin") return InputFile({Stream(stdin)}, Kind::pipe, 0);
+  if (path == "/dev/stdin") return InputFile({Stream(binary(stdin))}, Kind::pipe, 0);
   Stream stream = open_stream(path, "rb");
   if (!stream) return failed(errno);
   std::error_code error;

@@ -16,8 +16,8 @@ void* allocate_lines(size_t bytes);
 void free_lines(void* p, size_t bytes);
 
 /// Zeroed memory; where the system supports it, pages cost nothing until they are used. Large
-/// blocks use huge pages, too. Throws std::bad_alloc.
-void* map_zeroes(size_t bytes);
+/// blocks use huge pages, too, unless they stay mostly unused. Throws std::bad_alloc.
+void* map_zeroes(size_t bytes, bool is_sparse = false);
 void unmap_zeroes(void* p, size_t bytes);
 
 struct AvailableMemory {
@@ -26,11 +26,11 @@ struct AvailableMemory {
   size_t bytes = 0;
   std::string within;  // the tightest limit: "the limit of FILE"; empty: the machine's memory
 
-  /// For messages: "1.5 GB are free", with the limit.
+  /// For messages: "1.5 GB of memory are free", with the limit.
   std::string text() const {
     const uint64_t tenths = (uint64_t(bytes) + 50'000'000) / 100'000'000;
-    return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " GB are free" +
-           (within.empty() ? "" : " within " + within);
+    return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) +
+           " GB of memory are free" + (within.empty() ? "" : " within " + within);
   }
 };
 AvailableMemory available_memory();

@@ -13,7 +13,7 @@ void* allocate_lines(size_t bytes) { return ::operator new(bytes, kLine); }
 
 void free_lines(void* p, size_t) { ::operator delete(p, kLine); }
 
-void* map_zeroes(size_t bytes) { return std::memset(allocate_lines(bytes), 0, bytes); }
+void* map_zeroes(size_t bytes, bool) { return std::memset(allocate_lines(bytes), 0, bytes); }
 
 void unmap_zeroes(void* p, size_t bytes) { free_lines(p, bytes); }
 

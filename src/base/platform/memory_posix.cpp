@@ -67,9 +67,9 @@ void* allocate_lines(size_t bytes) {
 
 void free_lines(void* p, size_t bytes) { ::operator delete(p, alignment(bytes)); }
 
-void* map_zeroes(size_t bytes) {
+void* map_zeroes(size_t bytes, bool is_sparse) {
   const size_t size = mapped_size(bytes), large = size_t(kLargePage);
-  const size_t spare = size < large ? 0 : large;  // to align to a large page
+  const size_t spare = size < large || is_sparse ? 0 : large;  // to align to a large page
   void* const map =
       ::mmap(nullptr, size + spare, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (map == MAP_FAILED) throw std::bad_alloc();
@@ -121,7 +121,11 @@ void use_large_pages([[maybe_unused]] void* begin, [[maybe_unused]] size_t bytes
 size_t peak_memory_bytes() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__  // in bytes, not in KiB
+  return size_t(usage.ru_maxrss);
+#else
   return size_t(usage.ru_maxrss) * 1024;
+#endif
 }
 
 }  // namespace raio::core

@@ -167,7 +167,7 @@ class Zip {
 
  private:
   /// Called from C, which exceptions must not cross.
-  uLong write(const char* bytes, size_t count) noexcept try {
+  uLong write(const char* bytes, uLong count) noexcept try {
     if (position_ + count > bytes_.size()) bytes_.resize(position_ + count);
     std::copy_n(bytes, count, bytes_.data() + position_);
     position_ += count;

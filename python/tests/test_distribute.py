@@ -1,0 +1,412 @@
+"""Pictures and movies on several workers."""
+
+import os
+import random
+import signal
+import threading
+import time
+import types
+import warnings
+
+import numpy as np
+import pytest
+import raio
+from raio._portions import Portion, Portions
+
+distributed = pytest.importorskip("distributed")
+import raio.distribute as distribute  # noqa: E402
+from raio import _tasks, _worker  # noqa: E402
+
+pytestmark = pytest.mark.filterwarnings("default")  # the library's own
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    """Two workers with a thread each, which are restarted if they are killed."""
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0",
+                                  scheduler_kwargs={"allowed_failures": 10}) as cluster:
+        yield cluster
+
+
+@pytest.fixture
+def client(cluster):
+    with distributed.Client(cluster) as client:
+        client.wait_for_workers(2)
+        yield client
+
+
+@pytest.fixture
+def scene():
+    rng = np.random.default_rng(1)
+    scene = raio.Scene(background="transparent")
+    scene.spheres(rng.uniform(-3, 3, (300, 3)).astype(np.float32), 0.4, colors=rng.random((300, 3)))
+    return scene
+
+
+SIZE = {"size": (330, 200), "samples": 24}
+
+
+class FakeFilm:
+    """Tiles with the samples that each has."""
+
+    def __init__(self, tiles, samples):
+        self.has = [set() for _ in range(tiles)]
+        self.samples = samples
+
+    def tiles(self):
+        return len(self.has)
+
+    def missing(self, shard, shards):
+        lacks = {tuple(sorted(set(range(self.samples)) - has)) for has in self.has[shard::shards]}
+        if len(lacks) > 1:
+            return None
+        spans = []
+        for k in next(iter(lacks), ()):
+            if spans and spans[-1][1] == k:
+                spans[-1][1] = k + 1
+            else:
+                spans.append([k, k + 1])
+        return spans
+
+    def add(self, portion):
+        for has in self.has[portion.shard::portion.shards]:
+            for k in range(portion.first, portion.end):
+                assert k not in has
+                has.add(k)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_portions_give_every_sample_once(seed):
+    rng = random.Random(seed)
+    tiles, samples, cores = rng.choice([1, 2, 7, 40, 500]), rng.choice([1, 5, 64]), rng.choice([1, 4, 60])
+    film, second = FakeFilm(tiles, samples), rng.choice([1e-5, 1e-2, 3])
+    portions, taken = Portions(film, samples), []
+    restarts = rng.choice([0, 2])
+    while portions or taken:
+        while portions and len(taken) < 2 * cores:
+            taken.append(portions.take(cores, 4))
+        portion = taken.pop(rng.randrange(len(taken)))
+        match rng.randrange(8):
+            case 0:
+                portions.put_back(portion)
+            case 1:
+                if not portions.halve(portion):
+                    portions.put_back(portion)
+            case _:
+                film.add(portion)
+                portions.done(portion, second * portions.size(portion) * rng.uniform(0.5, 2))
+                if restarts and rng.random() < 0.05:  # goes on with the film alone
+                    restarts -= 1
+                    portions, taken = Portions(film, samples), []
+        assert portions.left == sum(samples - len(has) for has in film.has)
+    assert all(len(has) == samples for has in film.has)
+
+
+def test_portions_become_shorter_towards_the_end():
+    film, portions = FakeFilm(1000, 64), None
+    portions = Portions(film, 64)
+    sizes = []
+    while portions:
+        portion = portions.take(10, 4)
+        film.add(portion)
+        portions.done(portion, seconds := 0.01 * portions.size(portion))
+        sizes.append(seconds)
+    assert max(sizes) < 8 and max(sizes[-10:]) < 0.8
+    assert 150 < len(sizes) < 2000
+
+
+def test_portions_go_on_with_any_film():
+    film = FakeFilm(37, 8)
+    rng = random.Random(1)
+    for has in film.has:
+        has.update(range(rng.randrange(9)))
+    portions = Portions(film, 8)
+    while portions:
+        portion = portions.take(2, 4)
+        film.add(portion)
+        portions.done(portion, 1)
+    assert portions.left == 0
+
+
+def same_bytes(image, other):
+    return image._film.to_bytes() == other._film.to_bytes()
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"integrator": "ambient", "outline": 1.5, "channels": ["depth", "id", "variance"]},
+    {"crop": (30, 20, 200, 180)}, {"opacity": 0.5}, {"seed": 7, "accel": "grid"}])
+def test_same_bytes(client, scene, options, tmp_path):
+    want = scene.render(**SIZE, **options)
+    image = distribute.render(scene, client=client, **SIZE, **options)
+    assert same_bytes(image, want)
+    for suffix in (".png", ".exr", ".npz"):
+        image.save(tmp_path / f"a{suffix}")
+        want.save(tmp_path / f"b{suffix}")
+        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
+
+
+def test_same_bytes_with_lights_and_cells(client):
+    scene = raio.Scene()
+    scene.spheres([[0, 0, 0]], 1, material=raio.Material(ks=0.4))
+    scene.cylinders([[-2, -1.2, 0]], [[2, -1.2, 0]], 0.2)
+    scene.light(position=(3, 4, 5), size=0.5)
+    scene.camera((0, 1, 6), (0, 0, 0), up=(0, 1, 0), aperture=0.1)
+    options = {"size": (100, 80), "aa": 4, "lens_samples": 2, "soft_shadows": True}
+    assert same_bytes(distribute.render(scene, client=client, **options), scene.render(**options))
+
+
+def test_files_are_read_by_the_workers(client, tmp_path):
+    path = tmp_path / "atoms.xyz"
+    path.write_text("3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n")
+    options = {"style": "ball-and-stick", "size": (120, 90), "samples": 8}
+    image = distribute.render(path, client=client, **options)
+    assert same_bytes(image, raio.render(path, **options))
+    assert image.settings()["style"] == "ball-and-stick"
+
+
+def test_annotations_and_values(client):
+    scene = raio.Scene()
+    scene.spheres([[0, 0, 0], [2, 0, 0]], 1, colors=[1, 2], cmap="viridis")
+    options = {"size": (300, 200), "samples": 2, "color_bar": "speed", "scale_bar": "nm"}
+    try:
+        want = scene.render(**options)
+    except RuntimeError as error:
+        pytest.skip(str(error))
+    image = distribute.render(scene, client=client, **options)
+    np.testing.assert_array_equal(image.display(), want.display())
+
+
+def kill_a_worker(client, rng):
+    pids = [worker["pid"] for worker in _alive(client).values()]
+    if pids:
+        os.kill(rng.choice(pids), signal.SIGKILL)
+
+
+def _alive(client):
+    pids = client.run(os.getpid, on_error="ignore")
+    return {address: {"pid": pid} for address, pid in pids.items() if isinstance(pid, int)}
+
+
+def test_killed_workers_cost_no_byte(cluster, client, scene):
+    options = {"size": (500, 400), "samples": 200}
+    want = scene.render(**options)
+    rng, stop, kills = random.Random(3), threading.Event(), []
+
+    def kill():
+        with distributed.Client(cluster) as killer:
+            while not stop.wait(0.7) and len(kills) < 4:
+                kill_a_worker(killer, rng)
+                kills.append(time.monotonic())
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        image = distribute.render(scene, client=client, task_seconds=0.5, **options)
+    finally:
+        stop.set()
+        thread.join()
+    assert kills
+    assert same_bytes(image, want)
+
+
+def test_an_interrupted_picture_is_continued(client, scene, tmp_path, monkeypatch):
+    path = tmp_path / "so-far.raio"
+    options = {**SIZE, "checkpoint": path, "checkpoint_interval": 0.01}
+    taken = []
+    take = distribute._Picture._take
+
+    def few(self, portion, result):
+        if len(taken) == 10:
+            raise KeyboardInterrupt
+        taken.append(portion)
+        take(self, portion, result)
+
+    monkeypatch.setattr(distribute._Picture, "_take", few)
+    with pytest.raises(KeyboardInterrupt):
+        distribute.render(scene, client=client, **options)
+    so_far = raio.load_film(path)
+    assert so_far.missing and taken
+
+    again = []
+
+    def rest(self, portion, result):
+        again.append(portion)
+        take(self, portion, result)
+
+    monkeypatch.setattr(distribute._Picture, "_take", rest)
+    with pytest.raises(ValueError, match="already exists; resume=True"):
+        distribute.render(scene, client=client, **options)
+    image = distribute.render(scene, client=client, resume=True, **options)
+    assert same_bytes(image, scene.render(**SIZE))
+    assert again and path.read_bytes() == image._film.to_bytes()
+
+    def work(portions):  # pairs of tiles and samples
+        tiles = image._film.tiles()
+        return [(t, k) for p in portions for t in range(p.shard, tiles, p.shards) for k in range(p.first, p.end)]
+
+    assert not set(work(taken)) & set(work(again)), "rendered twice"
+    with pytest.raises(ValueError, match="samples 24, not 30"):
+        distribute.render(scene, client=client, **{**options, "samples": 30}, resume=True)
+
+
+def test_the_picture_refines_where_it_is_looked_at(client, scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(distribute._Shown, "PAUSE_S", 0.0)
+    seen = []
+    distribute.render(scene, client=client, preview=lambda image: seen.append(image.numpy()[..., 3].mean()), **SIZE)
+    assert len(seen) > 2
+    path = tmp_path / "so-far.png"
+    image = distribute.render(scene, client=client, preview=path, **SIZE)
+    image.save(tmp_path / "picture.png")
+    assert path.read_bytes() == (tmp_path / "picture.png").read_bytes()
+    with pytest.raises(ValueError, match="ends in .png or .ppm"):
+        distribute.render(scene, client=client, preview="picture.exr")
+    with pytest.raises(ValueError, match="needs a notebook"):
+        distribute.render(scene, client=client, preview=True)
+
+
+def test_progress(client, scene):
+    seen = []
+    distribute.render(scene, client=client, progress=lambda stage, share: seen.append((stage, share)), **SIZE)
+    shares = [share for _, share in seen]
+    assert shares == sorted(shares) and shares[-1] == 1 and {stage for stage, _ in seen} == {"rendering"}
+
+
+def test_another_version_is_refused_by_name(client, scene, monkeypatch):
+    monkeypatch.setattr(_tasks, "_raio", types.SimpleNamespace(version=lambda: "9.8.7"))
+    with pytest.raises(RuntimeError, match=r"client has raio 9\.8\.7, but the worker .* has raio"):
+        distribute.render(scene, client=client, **SIZE)
+
+
+def test_a_small_worker_refuses_a_large_scene(scene):
+    rng = np.random.default_rng(1)
+    scene.spheres(rng.random((3_000_000, 3), np.float32), 0.01)
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0",
+                                  memory_limit="450 MB") as cluster, distributed.Client(cluster) as client:
+        with pytest.raises(MemoryError, match="does not fit into the worker .* whose memory limit is"):
+            distribute.render(scene, client=client, **SIZE)
+
+
+def test_what_is_refused(client, scene, tmp_path):
+    refused = [
+        (TypeError, "threads is not for", {"threads": 4}),
+        (TypeError, "shard is not for", {"shard": "1/2"}),
+        (TypeError, "time_limit is not for", {"time_limit": 3}),
+        (TypeError, "resume has no effect without checkpoint", {"resume": True}),
+        (TypeError, "unknown option 'sampels'", {"sampels": 4}),
+        (TypeError, "style is an option for reading", {"style": "sticks"}),
+        (ValueError, "task_seconds: expected", {"task_seconds": 0}),
+        (ValueError, "ends in .raio", {"checkpoint": "a.png"}),
+        (OSError, "folder .* is missing", {"checkpoint": tmp_path / "no" / "a.raio"}),
+    ]
+    for error, text, options in refused:
+        with pytest.raises(error, match=text):
+            distribute.render(scene, client=client, **{**SIZE, **options})
+    with pytest.raises(TypeError, match=r"client: expected a dask\.distributed\.Client"):
+        distribute.render(scene, client="tcp://localhost", **SIZE)
+    with pytest.raises(FileNotFoundError):
+        distribute.render(tmp_path / "no.nff", client=client)
+
+
+def test_without_a_client(scene):
+    with pytest.raises(ValueError, match="client: expected"):
+        distribute.render(scene, **SIZE)
+
+
+def test_errors_of_workers_reach_the_caller(client, tmp_path):
+    path = tmp_path / "ball.nff"
+    path.write_text("v\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 64 64\nb 0 0 0\nl 1 2 3\n"
+                    "f 1 0 0 1 0 0 0 0\ns 0 0 0 1\n")
+    source = ("key", str(path) + ".gone", ())
+    client.wait_for_workers(1)
+    future = client.submit(_worker.checked, raio.__version__, "portion", source, None, {}, 0, 1, 0, 1, pure=False)
+    with pytest.raises(FileNotFoundError, match="has no file .*ball.nff.gone"):
+        future.result()
+
+
+# --- movies
+
+
+def moving(index):
+    scene = raio.Scene(background="white")
+    scene.spheres([[0, 0, 0], [1 + index, 0, 0]], 1, colors=["red", "blue"][index % 2])
+    return scene
+
+
+FRAME = {"size": (64, 48), "samples": 4}
+
+
+def test_frames_of_a_function(client, tmp_path):
+    paths = distribute.animate(moving, tmp_path / "frame-{:02d}.png", client=client, count=5, **FRAME)
+    assert [path.name for path in paths] == [f"frame-{i:02d}.png" for i in range(5)]
+    for i, path in enumerate(paths):
+        moving(i).render(**FRAME).save(tmp_path / "one.png")
+        assert path.read_bytes() == (tmp_path / "one.png").read_bytes()
+
+
+def test_missing_and_changed_frames_are_made(client, tmp_path):
+    files = []
+    for i in range(4):
+        files.append(tmp_path / f"{i}.xyz")
+        files[-1].write_text(f"2\n\nO 0 0 0\nH {i + 1} 0 0\n")
+    pattern = str(tmp_path / "out/frame-{}.png")
+    paths = distribute.animate(files, pattern, client=client, **FRAME)
+    made = [path.stat().st_mtime_ns for path in paths]
+    assert distribute.animate(files, pattern, client=client, **FRAME) == paths
+    assert [path.stat().st_mtime_ns for path in paths] == made
+    paths[1].unlink()
+    files[2].write_text("2\n\nO 0 0 0\nH 9.5 0 0\n")
+    distribute.animate(files, pattern, client=client, **FRAME)
+    assert [path.stat().st_mtime_ns == before for path, before in zip(paths, made)] == [True, False, False, True]
+    raio.render(files[2], **FRAME).save(tmp_path / "one.png")
+    assert paths[2].read_bytes() == (tmp_path / "one.png").read_bytes()
+    with pytest.raises(ValueError, match="made with other options .size 64x48, not 32x24"):
+        distribute.animate(files, pattern, client=client, **{**FRAME, "size": (32, 24)})
+    (tmp_path / "out/frame-all.json").unlink()
+    with pytest.raises(ValueError, match="frame-0.png already exists, without frame-all.json"):
+        distribute.animate(files, pattern, client=client, **FRAME)
+
+
+def test_frames_that_are_scenes(client, tmp_path):
+    scenes = [moving(i) for i in range(3)]
+    paths = distribute.animate(scenes, tmp_path / "{}.exr", client=client, channels=["depth"], **FRAME)
+    scenes[1].render(channels=["depth"], **FRAME).save(tmp_path / "one.exr")
+    assert paths[1].read_bytes() == (tmp_path / "one.exr").read_bytes()
+
+
+def guessing(index):
+    warnings.warn("guessed", raio.SceneWarning, stacklevel=1)
+    return moving(index)
+
+
+def failing(index):
+    if index == 2:
+        raise OSError("no such step")
+    return moving(index)
+
+
+def test_reports_and_failures_of_frames(client, tmp_path):
+    with pytest.warns(raio.SceneWarning, match="frame .: guessed") as reported:
+        distribute.animate(guessing, tmp_path / "{}.png", client=client, count=3, **FRAME)
+    assert len([w for w in reported if "guessed" in str(w.message)]) == 1
+    with pytest.raises(OSError, match="no such step") as failure:
+        distribute.animate(failing, tmp_path / "b{}.png", client=client, count=4, **FRAME)
+    assert failure.value.__notes__ == ["while frame 2 was made"]
+    for arguments, error, text in [
+            ((moving, "a{}.mp4", 2), ValueError, "with the suffix of a picture"),
+            ((moving, "a.png", 2), ValueError, "the same for all frames"),
+            ((moving, "a{}.png", None), ValueError, "count: expected"),
+            (([], "a{}.png", None), ValueError, "at least one"),
+            (("ab", "a{}.png", None), TypeError, "expected a list"),
+            (([1], "a{}.png", None), TypeError, "found int for frame 0")]:
+        with pytest.raises(error, match=text):
+            distribute.animate(arguments[0], tmp_path / arguments[1], count=arguments[2], client=client)
+    assert Portion(0, 1, 0, 1) == (0, 1, 0, 1)
+
+
+def test_encrypted_connections():
+    pytest.importorskip("cryptography")
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0",
+                                  security=True) as cluster, distributed.Client(cluster) as client:
+        assert client.scheduler.address.startswith("tls://")
+        scene = moving(1)
+        assert same_bytes(distribute.render(scene, client=client, **FRAME), scene.render(**FRAME))
