@@ -1,5 +1,6 @@
 """Tasks on the workers of dask.distributed."""
 
+import hashlib
 import math
 import time
 import warnings
@@ -66,11 +67,11 @@ class Tasks:
         if now - self._asked > 1:
             while self.client.status == "connecting":
                 time.sleep(0.1)
+            if self.client.status != "running":
+                raise ConnectionError("the scheduler cannot be reached any more")
             try:
                 self._cores = sum(self.client.nthreads().values())
-            except (OSError, RuntimeError, ValueError) as error:
-                if self.client.status != "connecting":
-                    raise ConnectionError(f"the connection to the scheduler is lost: {error}") from error
+            except OSError:  # the connection broke now; the client tries to get another
                 self._cores = 0
             self._asked = time.monotonic()
             if self._cores:
@@ -135,16 +136,14 @@ class Tasks:
 def _explained(error: BaseException) -> BaseException:
     if isinstance(error, KilledWorker):
         return Killed(str(error))
-    if isinstance(error, (ImportError, AttributeError)):
-        return RuntimeError(f"a worker cannot run raio {_raio.version()} ({error}); install the client's version, "
+    if isinstance(error, (ImportError, AttributeError)) and "raio" in str(error):
+        return RuntimeError(f"a worker cannot run raio {_raio.version()} ({error}); install the client's version "
                             "where the workers run")
     return error
 
 
 def key_of(*parts: Hashable) -> str:
     """A name of data, equal for equal data."""
-    import hashlib
-
     digest = hashlib.blake2b(digest_size=16)
     for part in parts:
         digest.update(part if isinstance(part, bytes) else repr(part).encode())

@@ -6,7 +6,6 @@ The bytes are those of one process, for any workers, in any order, and whatever 
 import json
 import os
 import re
-import tempfile
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -32,8 +31,8 @@ from ._tasks import Killed, Lost, Tasks, key_of
 Frame = Scene | AnyPath
 Preview = bool | AnyPath | Callable[[Image], None]
 
-# A scheduler starts about a thousand tasks in a second; longer ones leave it time.
-_TASKS_PER_S = 500
+# A scheduler with 1,000 workers needs about 3 ms for a task (bench/distribute_scaling.py).
+_TASKS_PER_S = 250
 
 
 def render(scene: Scene | AnyPath, *, client: distributed.Client | None = None, progress: Progress = False,
@@ -50,7 +49,7 @@ def render(scene: Scene | AnyPath, *, client: distributed.Client | None = None, 
         progress: as for Scene.render(), over all workers.
         preview: True shows the picture in a notebook while it refines; or a path, whose file is replaced every few
             seconds; or a function of the picture so far.
-        task_seconds: the longest portion; None: 4, and more from 2,000 cores on.
+        task_seconds: the longest portion; None: 4, and more from 1,000 cores on.
         options: of Scene.render(), and of raio.load() for a file. `checkpoint` names a file that this process
             writes every `checkpoint_interval` seconds, and at the end; with `resume`, it continues from there.
 
@@ -89,7 +88,7 @@ class _Picture:
         if isinstance(scene, Scene) and read:
             raise TypeError(f"{next(iter(read))} is an option for reading a file")
         self._checkpoint, self._interval_s, resume = _own(others)
-        self._film_marks, others = split_annotations(others)
+        marks, others = split_annotations(others)
         self._shown = _Shown(preview)
         settings(others)  # reports errors before a file is read
         self._data: bytes | None = None
@@ -99,11 +98,11 @@ class _Picture:
             self._data = core.to_bytes()
             self._source = (key_of(self._data),)
         else:
-            path, scene = os.path.abspath(os.fspath(scene)), load(scene, **read)
+            path, scene = os.path.abspath(scene), load(scene, **read)
             core, stat = scene._core(), os.stat(path)
             reader = tuple(texts(read).items())
             self._source = (key_of(path, reader, stat.st_size, stat.st_mtime_ns), path, reader)
-        annotations = Annotations(scene, self._film_marks)
+        annotations = Annotations(scene, marks)
         self.film = _raio.begin(core, settings(scene._with_defaults(others)))
         if annotations:
             annotations.put_on(self.film)
@@ -170,7 +169,11 @@ class _Picture:
         else:
             part, seconds = result
             begin = time.perf_counter()
-            self.film.add(part)
+            try:
+                self.film.add(part)
+            except ValueError as error:
+                raise ValueError(f"a worker's part does not fit: {error}. Do all machines see the same files?") \
+                    from None
             self._portions.done(portion, seconds, time.perf_counter() - begin)
             self._is_kept = False
 
@@ -254,21 +257,12 @@ def _in_notebook() -> Callable[[Image], None]:
 
 def _replace(path: Path, data: bytes) -> None:
     """Writes the file whole, or not at all."""
-    handle, draft = tempfile.mkstemp(prefix=".raio-", suffix=".tmp", dir=path.parent)
+    draft = path.with_name(f".raio-{os.urandom(8).hex()}.tmp")
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        os.chmod(draft, 0o666 & ~_umask())
-        os.replace(draft, path)
-    except BaseException:
-        os.unlink(draft)
-        raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+        draft.write_bytes(data)
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
 
 
 def animate(frames: Sequence[Frame] | Callable[[int], Frame], path: AnyPath, *,
