@@ -198,17 +198,15 @@ std::string name_of_page(const testing::TestParamInfo<const char*>& page) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Pages, Page,
-                         testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md",
-                                         "docs/nff.md", "docs/sampling.md", "docs/shading.md",
-                                         "docs/statistics.md", "docs/verify.md", "docs/channels.md",
-                                         "docs/explain.md", "docs/library.md",
-                                         "docs/experiments.md", "docs/performance.md",
-                                         "docs/raio-scene.md", "docs/view.md", "docs/pictures.md",
-                                         "docs/files.md", "docs/ambient.md", "docs/figures.md",
-                                         "docs/standard-scenes.md", "docs/cluster.md",
-                                         "CONTRIBUTING.md"),
-                         name_of_page);
+INSTANTIATE_TEST_SUITE_P(
+    Pages, Page,
+    testing::Values("README.md", "ARCHITECTURE.md", "docs/long-renders.md", "docs/nff.md",
+                    "docs/sampling.md", "docs/shading.md", "docs/statistics.md", "docs/verify.md",
+                    "docs/channels.md", "docs/explain.md", "docs/library.md", "docs/experiments.md",
+                    "docs/performance.md", "docs/raio-scene.md", "docs/view.md", "docs/pictures.md",
+                    "docs/files.md", "docs/ambient.md", "docs/figures.md",
+                    "docs/standard-scenes.md", "docs/cluster.md", "CONTRIBUTING.md"),
+    name_of_page);
 
 INSTANTIATE_TEST_SUITE_P(
     Course, Page,
