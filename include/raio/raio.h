@@ -566,7 +566,7 @@ class RAIO_API Film {
 
   /// Draws these on the pictures of write(), display() and encode(), not on rgba() and parts, which
   /// do not store them. Needs Cairo where the program runs; the error says what is missing.
-  Film& annotate(Annotations annotations);
+  Film& annotate(Annotations wanted);
   const Annotations& annotations() const;
   /// The size of a scene unit at the point looked at; 0: unknown, since the film was read or
   /// merged.
