@@ -105,7 +105,7 @@ class Counted:
 
 
 def efficiency(cores, ideal_s, longest_s, costs, of):
-    """Work over cores times time, of a picture that takes so many seconds if nothing else costs time."""
+    """The parallel efficiency of a picture that would take `ideal_s` seconds without overhead, and its tasks."""
     per_task_s, part_s, tile_s = of
     tiles, samples = 8160, 1024
     tile_cost = costs[np.random.default_rng(1).integers(len(costs), size=tiles)]

@@ -135,7 +135,7 @@ TEST_F(LibraryParts, AreAddedOneByOne) {
   EXPECT_EQ(film.missing(1, 2), std::nullopt);
   EXPECT_EQ(refusal([&] { static_cast<void>(film.missing(2, 2)); }), "shard 2 of 2 does not exist");
 
-  // What does not fit changes nothing.
+  // A part that does not fit leaves the film unchanged.
   const std::string before = film.to_bytes();
   EXPECT_EQ(refusal([&] { film.add(part("1/1", "0:4")); }),
             "the other film: it and this film both have samples 3:4 in 3 of the 12 tiles; leave "

@@ -28,7 +28,7 @@ class Portions:
 
     Args:
         film: the samples so far.
-        samples: how many a pixel shall have.
+        samples: the number that every pixel needs.
     """
 
     def __init__(self, film: _raio.Film, samples: int):
@@ -103,9 +103,9 @@ class Portions:
     def take(self, cores: int, longest_s: float) -> Portion:
         """The next portion.
 
-        Portions become shorter towards the end, so that all cores finish together, and have so many samples that
-        one client merges them in half of the time. Until something is measured, they are single samples of small
-        shards.
+        Portions become shorter towards the end, so that all cores finish together. They have enough samples that
+        merging takes at most half of the client's time. Until something is measured, they are single samples of
+        small shards.
         """
         left_s = self._queued * self._measured_s / self._measured if self._measured else 0.0
         _, _, portion = heapq.heappop(self._queue)
