@@ -1,6 +1,7 @@
 """What workers of raio.distribute do. They may have another version of this package: see checked()."""
 
 import os
+import sys
 import threading
 import time
 import warnings
@@ -54,23 +55,30 @@ def _stop_if_cancelled() -> Callable[..., None]:
     return check
 
 
+_limiting = threading.Lock()
+
+
 @contextmanager
 def _memory_limit() -> Iterator[None]:
-    """The worker's limit, which its nanny enforces by killing it, as a limit of this process.
+    """What is left to the worker's limit, which its nanny enforces by killing it, as a limit of this process.
 
-    The library asks for it before it allocates much.
+    The library asks for it before it allocates much. Only on Linux, and for one thread at a time.
     """
     limit = get_worker().memory_manager.memory_limit
-    try:
-        import resource
-    except ImportError:  # Windows
-        limit = None
-    if not limit:
+    if not limit or not sys.platform.startswith("linux"):
         yield
         return
+    import resource
+
+    with open("/proc/self/statm") as file:
+        pages = [int(number) for number in file.read().split()]
+    resident, data = (count * resource.getpagesize() for count in (pages[1], pages[5]))
     kind = resource.RLIMIT_DATA
     before = resource.getrlimit(kind)
-    soft = limit if before[0] == resource.RLIM_INFINITY else min(limit, before[0])
+    # Dask kills at 95 % of the limit.
+    soft = data + max(int(0.9 * limit) - resident, 0)
+    if before[0] != resource.RLIM_INFINITY:
+        soft = min(soft, before[0])
     resource.setrlimit(kind, (soft, before[1]))
     try:
         yield
@@ -96,7 +104,7 @@ class _Structures:
         with entry["lock"]:
             if "accel" not in entry:
                 try:
-                    with _memory_limit():
+                    with _limiting, _memory_limit():
                         entry["accel"], entry["bytes"] = make()
                 except BaseException:
                     with self._lock:
