@@ -3,6 +3,7 @@
 import os
 import threading
 import warnings
+from collections.abc import Mapping
 from typing import Any, TypeVar, Unpack
 
 import numpy as np
@@ -528,10 +529,8 @@ class Scene(Strict):
                             view.get("projection", parallel) in (True, "orthographic"))
         return core
 
-    _ACCEL = ("accel", "grid_factor", "grid_resolution", "one_sided", "opacity", "counters", "threads")
-
     def _accel(self, options: dict[str, Any], report: Any) -> tuple[_raio.Accel, _raio.Scene]:
-        of_structure = {name: options[name] for name in self._ACCEL if name in options}
+        of_structure = structure_options(options)
         key = tuple((name, str(value)) for name, value in of_structure.items() if name != "threads")
         with self._lock:
             core = self._core()
@@ -590,7 +589,22 @@ class Scene(Strict):
         self.__dict__.update(state)
         if state["_base"] is not None:
             self._base = _raio.Scene.from_bytes(state["_base"])
+            for text in self._base.warnings():
+                warnings.warn(text, SceneWarning, stacklevel=2)
         self._start_caches()
+
+
+_STRUCTURE = ("accel", "grid_factor", "grid_resolution", "one_sided", "opacity", "counters", "threads")
+
+
+def structure_options(options: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of the structure. Pictures of its work need one with counters."""
+    found = {name: options[name] for name in _STRUCTURE if name in options}
+    channels = options.get("channels") or ()
+    shown = {options.get("view"), *(channels.split(",") if isinstance(channels, str) else channels)}
+    if shown & {"steps", "tests"}:
+        found["counters"] = True
+    return found
 
 
 def _counts(core: _raio.Scene) -> dict[str, int]:

@@ -15,8 +15,6 @@ from distributed import get_worker
 
 from . import _raio
 
-# Settings of a structure.
-ACCEL = ("accel", "grid-factor", "grid-resolution", "one-sided", "opacity", "counters")
 DEFAULT_CACHE = "1 GiB"
 
 
@@ -128,17 +126,24 @@ def _settings(texts: dict[str, str]) -> _raio.Settings:
     return settings
 
 
-def portion(source: tuple[Any, ...], data: bytes | None, texts: dict[str, str], shard: int, shards: int,
-            first: int, end: int) -> tuple[bytes, float]:
+def _check_sky(core: _raio.Scene, has_background: bool) -> None:
+    """Scenes that travelled as bytes may have lost their sky, which stays in files of its own."""
+    if core.warnings() and not has_background:
+        raise ValueError("the scene's sky is in files of its own, which do not travel with the scene; give the path "
+                         "of the scene's file instead, or a background")
+
+
+def portion(source: tuple[Any, ...], data: bytes | None, structure: dict[str, str], texts: dict[str, str],
+            shard: int, shards: int, first: int, end: int) -> tuple[bytes, float]:
     """Renders a portion of a picture: the bytes of a part, and the seconds for its samples.
 
     Args:
         source: a key of the scene; for a file, its path and the options for reading it follow.
         data: of a scene without a file.
+        structure: the settings of the structure.
         texts: the settings of the picture.
     """
     check = _stop_if_cancelled()
-    of_structure = {name: texts[name] for name in ACCEL if name in texts}
     threads = str(get_worker().state.nthreads)
 
     def make() -> tuple[_raio.Accel, int]:
@@ -150,11 +155,12 @@ def portion(source: tuple[Any, ...], data: bytes | None, texts: dict[str, str], 
             core = _raio.Scene.read(path, _settings({**dict(read), "threads": threads}))
         else:
             core = _raio.Scene.from_bytes(data)
-        accel = _raio.Accel(core, _settings({**of_structure, "threads": threads}))
+            _check_sky(core, "background" in texts)
+        accel = _raio.Accel(core, _settings({**structure, "threads": threads}))
         size = accel.info()["bytes"] + (len(data) if data is not None else os.path.getsize(source[1]))
         return accel, size
 
-    accel = _structures.get((source, tuple(sorted(of_structure.items()))), make)
+    accel = _structures.get((source, tuple(sorted(structure.items()))), make)
     check()
     settings = _settings({**texts, "threads": "1", "sample-range": f"{first}:{end}"})
     if shards > 1:
@@ -164,26 +170,41 @@ def portion(source: tuple[Any, ...], data: bytes | None, texts: dict[str, str], 
     return film.to_bytes(), time.perf_counter() - begin
 
 
+# A worker makes one frame at a time, on all its threads: warnings are recorded for the process, and few functions
+# that read data may run in two threads.
+_framing = threading.Lock()
+
+
 def frame(make: Any, index: int, options: dict[str, Any], suffix: str) -> tuple[bytes, list[str]]:
     """Renders a picture: the bytes of its file, and what was reported meanwhile.
 
     Args:
         make: a scene, the path of a file, or a function of the index that returns one of these or an image.
     """
+    with _framing:
+        return _frame(make, index, options, suffix)
+
+
+def _frame(make: Any, index: int, options: dict[str, Any], suffix: str) -> tuple[bytes, list[str]]:
     from ._files import render
     from ._film import Image
     from ._options import split
     from ._scene import Scene
 
     check = _stop_if_cancelled()
+    check()
     with warnings.catch_warnings(record=True) as reported:
         warnings.simplefilter("always")
         made = make(index) if callable(make) else make
         read, others = split(options)
-        others["threads"] = 1
+        if read and not isinstance(made, (str, os.PathLike)):
+            raise TypeError(f"{next(iter(read))} is an option for reading a file, but the frame is no path")
+        others["threads"] = get_worker().state.nthreads
         if isinstance(made, (str, os.PathLike)):
             made = render(made, progress=check, **read, **others)
         elif isinstance(made, Scene):
+            if made is make and made._base is not None:
+                _check_sky(made._base, not (made._background is None and others.get("background") is None))
             made = made.render(progress=check, **others)
     if not isinstance(made, Image):
         raise TypeError(f"expected a Scene, an Image or the path of a scene file, found {type(made).__name__}")

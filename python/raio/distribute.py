@@ -25,8 +25,9 @@ from ._options import settings, split as split_read, table, texts
 from ._portions import Portion, Portions
 from ._progress import Progress, Reporter
 from ._render_options import FileOptions
-from ._scene import Scene, SceneWarning
+from ._scene import Scene, SceneWarning, structure_options
 from ._tasks import Killed, Lost, Tasks, key_of
+from .movies import check_pattern
 
 Frame = Scene | AnyPath
 Preview = bool | AnyPath | Callable[[Image], None]
@@ -103,14 +104,15 @@ class _Picture:
             reader = tuple(texts(read).items())
             self._source = (key_of(path, reader, stat.st_size, stat.st_mtime_ns), path, reader)
         annotations = Annotations(scene, marks)
-        self.film = _raio.begin(core, settings(scene._with_defaults(others)))
+        wanted = scene._with_defaults(others)
+        self.film = _raio.begin(core, settings(wanted))
         if annotations:
             annotations.put_on(self.film)
         missing = self.film.missing(0, 1)
         samples = missing[0][1] if missing else 0
         self._resume(resume)
         self._portions = Portions(self.film, samples)
-        self._texts = self._settings()
+        self._structure, self._texts = texts(structure_options(wanted)), self._settings()
         self._on_workers: Any = None
         self._kept_at = time.monotonic()
         self._is_kept = True
@@ -118,6 +120,7 @@ class _Picture:
     def _settings(self) -> dict[str, str]:
         known, all_settings = table().values(), self.film.settings()
         values = {o["name"]: all_settings.get(o["name"]) for o in known if not o["of_reader"]}
+        values["background"] = _absolute(values["background"])
         return {name: value for name, value in values.items()
                 if value and name not in ("threads", "shard", "sample-range")}
 
@@ -139,7 +142,8 @@ class _Picture:
             cores = tasks.cores()
             while self._portions and len(tasks) < tasks.enough():
                 portion = self._portions.take(max(cores, 1), longest_s or max(4, cores / _TASKS_PER_S))
-                tasks.submit(portion, "portion", self._source, self._scene_data(tasks), self._texts, *portion)
+                tasks.submit(portion, "portion", self._source, self._scene_data(tasks), self._structure, self._texts,
+                             *portion)
             for portion, result in tasks.ended(0.2):
                 self._take(portion, result)
             if reporter.report:
@@ -189,6 +193,12 @@ class _Picture:
             warnings.warn(f"the checkpoint is not written: {error}", RuntimeWarning, stacklevel=4)
         self._kept_at = time.monotonic()
         self._interval_s = max(self._interval_s, 10 * (self._kept_at - begin))
+
+
+def _absolute(background: Any) -> Any:
+    """The folder or file of a background, as all workers find it."""
+    is_path = isinstance(background, (str, os.PathLike)) and os.path.exists(background)
+    return os.path.abspath(background) if is_path else background
 
 
 def _own(options: dict[str, Any]) -> tuple[str, float, bool]:
@@ -273,11 +283,12 @@ def animate(frames: Sequence[Frame] | Callable[[int], Frame], path: AnyPath, *,
     A frame is written as soon as it is finished. A second call, after Ctrl-C or an error for instance, renders
     what is missing, and the frames whose scenes or files have changed since: a file beside the pictures, with
     `all` instead of the number and the suffix .json, records how they were made. A changed function is not
-    noticed; delete the pictures.
+    noticed: a warning tells how many pictures are kept.
 
     Args:
         frames: scenes, or paths of files, which the workers read themselves; or a function of the index, from 0,
-            that returns one of these or an Image. It runs on the workers, so it should read its data there.
+            that returns one of these, or an Image, for which the options do not count. It runs on the workers, so
+            it should read its data there; in each worker one frame is made at a time, on all its threads.
         path: a pattern such as "out/frame-{:04d}.png", with any suffix of Image.save() but .raio.
         client: of a cluster; None: the current one.
         count: the number of frames, if `frames` is a function.
@@ -316,13 +327,13 @@ class _Movie:
         marks, plain = split_annotations(others)
         settings(plain), settings(read)  # report errors
         self._options = {**read, **others}
+        if "background" in others:
+            self._options["background"] = _absolute(others["background"])
         self._suffix = Path(pattern).suffix.lower()
         if self._suffix not in (".png", ".ppm", ".pfm", ".exr", ".npz", ".npy"):
             raise ValueError("path: expected a pattern such as frame-{:04d}.png, with the suffix of a picture; found "
                              f"{pattern!r}. ffmpeg makes a video of the pictures")
-        if "{" not in pattern or pattern.format(0) == pattern.format(1):
-            raise ValueError(f"path: expected a pattern such as frame-{{:04d}}.png, found {pattern!r}, which is the "
-                             "same for all frames")
+        check_pattern(pattern)
         if callable(frames):
             if count is None or count < 1:
                 raise ValueError(f"count: expected the number of frames, since frames is a function; found {count}")
@@ -372,6 +383,9 @@ class _Movie:
                       for name in sorted({*old, *new}) if old.get(name) != new.get(name)]
             raise ValueError(f"path: the pictures in {self._record.parent} were made with other options "
                              f"({', '.join(differ)}); delete them or choose another name")
+        if there and callable(self._frames):
+            warnings.warn(f"path: {len(there)} of {self._count} pictures exist and are kept; delete them if the "
+                          "function has changed", RuntimeWarning, stacklevel=5)
         kept = before.get("frames", {})
         missing = [i for i in range(self._count) if i not in set(there)
                    or kept.get(str(i)) != self._sources.get(str(i))]

@@ -45,11 +45,8 @@ def movie(frames: Iterable[Frame] | Callable[[int], Frame], path: AnyPath, fps: 
     target = os.fspath(path)
     suffix = Path(target).suffix.lower()
     is_video = suffix in _CODECS
-    if not is_video and "{" not in target:
-        raise ValueError(f"path: expected .mp4, .webm, or a pattern such as frame-{{:04d}}.png; "
-                         f"found {target!r}")
-    if not is_video and target.format(0) == target.format(1):
-        raise ValueError(f"path: {target!r} has the same name for all frames")
+    if not is_video:
+        check_pattern(target, ".mp4, .webm, or ")
     if not fps > 0:
         raise ValueError(f"fps: expected a number above 0, found {fps}")
     program = shutil.which("ffmpeg") if is_video else None
@@ -98,6 +95,19 @@ def movie(frames: Iterable[Frame] | Callable[[int], Frame], path: AnyPath, fps: 
             final.parent.mkdir(parents=True, exist_ok=True)
             os.replace(made, final)
     return [final for _, final in drafts]
+
+
+def check_pattern(path: str, or_else: str = "") -> None:
+    """Raises ValueError if the path is not a pattern of the frame's number; `or_else` tells what else is possible."""
+    expected = f"path: expected {or_else}a pattern such as frame-{{:04d}}.png; found {path!r}"
+    if "{" not in path:
+        raise ValueError(expected)
+    try:
+        names = path.format(0), path.format(1)
+    except (IndexError, KeyError, ValueError):
+        raise ValueError(expected) from None
+    if names[0] == names[1]:
+        raise ValueError(f"path: {path!r} has the same name for all frames")
 
 
 class _Video:

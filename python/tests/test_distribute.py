@@ -1,6 +1,7 @@
 """Pictures and movies on several workers."""
 
 import os
+import pickle
 import random
 import signal
 import threading
@@ -133,7 +134,8 @@ def same_bytes(image, other):
 
 
 @pytest.mark.parametrize("options", [
-    {}, {"integrator": "ambient", "outline": 1.5, "channels": ["depth", "id", "variance"]},
+    {}, {"channels": ["steps", "tests"]}, {"view": "steps"},
+    {"integrator": "ambient", "outline": 1.5, "channels": ["depth", "id", "variance"]},
     {"crop": (30, 20, 200, 180)}, {"opacity": 0.5}, {"seed": 7, "accel": "grid"}])
 def test_same_bytes(client, scene, options, tmp_path):
     want = scene.render(**SIZE, **options)
@@ -162,6 +164,41 @@ def test_files_are_read_by_the_workers(client, tmp_path):
     image = distribute.render(path, client=client, **options)
     assert same_bytes(image, raio.render(path, **options))
     assert image.settings()["style"] == "ball-and-stick"
+
+
+@pytest.fixture
+def sky(tmp_path):
+    """A folder with the six faces of a sky."""
+    folder = tmp_path / "sky"
+    folder.mkdir()
+    scene = raio.Scene(background="orange")
+    scene.spheres([[0, 0, 0]], 1)
+    for face in ("right", "left", "top", "bottom", "front", "back"):
+        scene.render(size=(16, 16), samples=1).save(folder / f"{face}.png")
+    return folder
+
+
+def test_skies(client, scene, sky, tmp_path, monkeypatch):
+    scene.background = None
+    monkeypatch.chdir(tmp_path)  # not that of the workers
+    options = {**SIZE, "background": "sky"}
+    assert same_bytes(distribute.render(scene, client=client, **options), scene.render(**options))
+    # A sky in files beside the scene's.
+    path = tmp_path / "with.p3f"
+    path.write_text("env sky\nv\nfrom 0 0 5\nat 0 0 0\nup 0 1 0\nangle 40\nhither 1\nresolution 64 64\n"
+                    "l 1 2 3\nf 1 0 0 0.5 1 0 0 1\ns 0 0 0 1\n")
+    small = {"size": (64, 48)}
+    want = raio.render(path, **small)
+    assert same_bytes(distribute.render(path, client=client, **small), want)
+    loaded = raio.load(path)
+    with pytest.raises(ValueError, match="sky is in files of its own.*; give the path"):
+        distribute.render(loaded, client=client, **small)
+    with pytest.raises(ValueError, match="sky is in files of its own.*; give the path"):
+        distribute.animate([loaded], tmp_path / "{}.png", client=client, **small)
+    with pytest.warns(raio.SceneWarning, match="sky is not in the bytes"):
+        pickle.loads(pickle.dumps(loaded))
+    other = {**small, "background": "red"}
+    assert same_bytes(distribute.render(loaded, client=client, **other), loaded.render(**other))
 
 
 def test_annotations_and_values(client):
@@ -271,6 +308,19 @@ def test_progress(client, scene):
     assert shares == sorted(shares) and shares[-1] == 1 and {stage for stage, _ in seen} == {"rendering"}
 
 
+def test_cancelled_workers_are_soon_free(client, scene):
+    def stop(image):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):  # while portions of ten seconds are rendered
+        distribute.render(scene, client=client, size=(400, 300), samples=200_000, task_seconds=10, preview=stop)
+    begin = time.monotonic()
+    workers = list(client.scheduler_info()["workers"])
+    for future in [client.submit(abs, -1, workers=worker, pure=False) for worker in workers]:
+        assert future.result() == 1
+    assert time.monotonic() - begin < 4
+
+
 def test_another_version_is_refused_by_name(client, scene, monkeypatch):
     monkeypatch.setattr(_tasks, "_raio", types.SimpleNamespace(version=lambda: "9.8.7"))
     with pytest.raises(RuntimeError, match=r"client has raio 9\.8\.7, but the worker .* has raio"):
@@ -318,7 +368,7 @@ def test_errors_of_workers_reach_the_caller(client, tmp_path):
                     "f 1 0 0 1 0 0 0 0\ns 0 0 0 1\n")
     source = ("key", str(path) + ".gone", ())
     client.wait_for_workers(1)
-    future = client.submit(_worker.checked, raio.__version__, "portion", source, None, {}, 0, 1, 0, 1, pure=False)
+    future = client.submit(_worker.checked, raio.__version__, "portion", source, None, {}, {}, 0, 1, 0, 1, pure=False)
     with pytest.raises(FileNotFoundError, match="has no file .*ball.nff.gone"):
         future.result()
 
@@ -338,6 +388,8 @@ FRAME = {"size": (64, 48), "samples": 4}
 def test_frames_of_a_function(client, tmp_path):
     paths = distribute.animate(moving, tmp_path / "frame-{:02d}.png", client=client, count=5, **FRAME)
     assert [path.name for path in paths] == [f"frame-{i:02d}.png" for i in range(5)]
+    with pytest.warns(RuntimeWarning, match="5 of 5 pictures exist and are kept"):
+        assert distribute.animate(moving, tmp_path / "frame-{:02d}.png", client=client, count=5, **FRAME) == paths
     for i, path in enumerate(paths):
         moving(i).render(**FRAME).save(tmp_path / "one.png")
         assert path.read_bytes() == (tmp_path / "one.png").read_bytes()
@@ -353,6 +405,8 @@ def test_missing_and_changed_frames_are_made(client, tmp_path):
     made = [path.stat().st_mtime_ns for path in paths]
     assert distribute.animate(files, pattern, client=client, **FRAME) == paths
     assert [path.stat().st_mtime_ns for path in paths] == made
+    with pytest.raises(TypeError, match="style is an option for reading"):
+        distribute.animate([moving(0)], tmp_path / "s{}.png", client=client, style="sticks", **FRAME)
     paths[1].unlink()
     files[2].write_text("2\n\nO 0 0 0\nH 9.5 0 0\n")
     distribute.animate(files, pattern, client=client, **FRAME)
@@ -393,7 +447,9 @@ def test_reports_and_failures_of_frames(client, tmp_path):
     assert failure.value.__notes__ == ["while frame 2 was made"]
     for arguments, error, text in [
             ((moving, "a{}.mp4", 2), ValueError, "with the suffix of a picture"),
-            ((moving, "a.png", 2), ValueError, "the same for all frames"),
+            ((moving, "a.png", 2), ValueError, "expected a pattern such as"),
+            ((moving, "a{x}.png", 2), ValueError, "expected a pattern such as"),
+            ((moving, "a{:.0s}.png", 2), ValueError, "expected a pattern such as"),
             ((moving, "a{}.png", None), ValueError, "count: expected"),
             (([], "a{}.png", None), ValueError, "at least one"),
             (("ab", "a{}.png", None), TypeError, "expected a list"),
