@@ -179,7 +179,7 @@ def main():
         plt.ylabel("efficiency")
         plt.ylim(0, 1.02)
         plt.legend(title="longest portion")
-        plt.savefig(wanted.output, dpi=120)
+        plt.savefig(wanted.output, dpi=120, bbox_inches="tight")
 
 
 if __name__ == "__main__":
