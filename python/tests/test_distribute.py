@@ -312,13 +312,11 @@ def test_cancelled_workers_are_soon_free(client, scene):
     def stop(image):
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):  # while portions of ten seconds are rendered
-        distribute.render(scene, client=client, size=(400, 300), samples=200_000, task_seconds=10, preview=stop)
-    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):  # while portions of ten minutes are rendered
+        distribute.render(scene, client=client, size=(400, 300), samples=10_000_000, task_seconds=600, preview=stop)
     workers = list(client.scheduler_info()["workers"])
     for future in [client.submit(abs, -1, workers=worker, pure=False) for worker in workers]:
-        assert future.result() == 1
-    assert time.monotonic() - begin < 4
+        assert future.result(timeout=100) == 1
 
 
 def test_another_version_is_refused_by_name(client, scene, monkeypatch):
