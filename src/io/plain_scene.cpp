@@ -86,7 +86,8 @@ Scene plain_scene(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) append(mesh, plain);
   plain.meshes.clear();
   plain.object_names.clear(), plain.object_ranges.clear();
-  plain.material_texture.clear(), plain.textures.clear(), plain.texels.clear();
+  plain.material_texture.clear(), plain.standard_surfaces.clear(), plain.textures.clear(),
+      plain.texels.clear();
   plain.physical_lights.clear(), plain.environment.clear(), plain.environment_texels.clear();
   return plain;
 }

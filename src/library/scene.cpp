@@ -622,8 +622,14 @@ void take_textures(core::Scene& scene, core::Scene& object) {
                        scene.texels.size() + object.texels.size(), kMaxTexels));
   const auto first = uint32_t(scene.textures.size()), first_texel = uint32_t(scene.texels.size());
   for (Texture& texture : object.textures) texture.first += first_texel;
-  for (uint32_t& texture : object.material_texture)
+  const auto renumber = [&](uint32_t& texture) {
     if (texture != kNoTexture) texture += first;
+  };
+  std::ranges::for_each(object.material_texture, renumber);
+  for (core::StandardSurface& s : object.standard_surfaces)
+    for (uint32_t* texture : {&s.metallic_roughness_texture, &s.normal_texture, &s.emission_texture,
+                              &s.transmission_texture})
+      renumber(*texture);
   scene.textures.append(object.textures);
   scene.texels.append(object.texels);
   object.textures = {}, object.texels = {};
@@ -637,14 +643,21 @@ std::vector<MaterialId> numbers_in(core::Scene& scene, const core::Scene& object
     const core::Material material = object.materials[id];
     const Rgb specular = object.specular_of(id);
     const float roughness = object.roughness_of(id), opacity = object.opacity_of(id);
+    const core::StandardSurface* const surface = object.standard_surface_of(id);
+    const auto has_same_surface = [&](MaterialId other) {
+      const core::StandardSurface* const its = std::as_const(scene).standard_surface_of(other);
+      return surface && its ? *surface == *its : surface == its;
+    };
     MaterialId same = 0;
     while (same < materials.size() &&
            !(materials[same] == material && scene.specular_of(same) == specular &&
              scene.roughness_of(same) == roughness && scene.opacity_of(same) == opacity &&
-             scene.texture_of(same) == object.texture_of(id)))
+             scene.texture_of(same) == object.texture_of(id) && has_same_surface(same)))
       ++same;
-    if (same == materials.size())
+    if (same == materials.size()) {
       scene.add_material(material, specular, roughness, opacity, object.texture_of(id));
+      if (surface) scene.set_standard_surface(*surface);
+    }
     numbers.push_back(same);
   }
   return numbers;

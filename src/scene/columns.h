@@ -114,6 +114,7 @@ void for_each_own_column(SceneType& s, F&& f) {
   f(ColumnName{"physical_lights", Counted::where_used}, s.physical_lights);
   f(ColumnName{"environment", Counted::where_used}, s.environment);
   f(ColumnName{"environment_texels", Counted::where_used}, s.environment_texels);
+  f(ColumnName{"standard_surfaces", Counted::where_used}, s.standard_surfaces);
 }
 
 /// The scene's own arrays, then those of each mesh.

@@ -106,8 +106,20 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   add(material_roughness, roughness, 0.0f);
   add(material_opacity, opacity, 1.0f);
   add(material_texture, texture, kNoTexture);
+  if (!standard_surfaces.empty()) standard_surfaces.push_back({.is_standard = 0});
   materials.push_back(material);
   return MaterialId(materials.size() - 1);
+}
+
+bool Scene::has_emission() const {
+  return std::ranges::any_of(standard_surfaces, [](const StandardSurface& s) {
+    return s.is_standard && s.emission != Rgb();
+  });
+}
+
+void Scene::set_standard_surface(const StandardSurface& surface) {
+  standard_surfaces.resize(materials.size(), {.is_standard = 0});
+  standard_surfaces[materials.size() - 1] = surface;
 }
 
 size_t Object::primitive_count() const {
@@ -210,6 +222,7 @@ Scene standalone(const Scene& around, const Object& object) {
   scene.material_roughness = around.material_roughness;
   scene.material_opacity = around.material_opacity;
   scene.material_texture = around.material_texture;
+  scene.standard_surfaces = around.standard_surfaces;
   return scene;
 }
 

@@ -82,6 +82,38 @@ struct Material {
   friend bool operator==(const Material&, const Material&) = default;
 };
 
+inline constexpr uint32_t kNoTexture = 0xffffffffu;
+
+/// What the alpha of a base colour means, as in glTF. Files store the numbers.
+enum class AlphaMode : uint32_t { opaque, mask, blend };
+
+/// A surface for the integrator `path`, with the parameters of glTF 2.0 and its extensions
+/// (docs/materials.md). Base colour and index of refraction are Material::color and ::ior.
+struct StandardSurface {
+  uint32_t is_standard = 1;  // 0: `path` maps the Material instead
+  float metallic = 0;
+  float roughness = 1;  // the square root of alpha of GGX
+  float specular = 1;   // scales the reflection of dielectrics
+  Rgb specular_color{1, 1, 1};
+  float transmission = 0;  // part of the light that is not reflected, refracted instead of diffuse
+  uint32_t is_thin = 1;    // transmits without refraction, as a sheet
+  Rgb attenuation_color{1, 1, 1};  // what is left inside after attenuation_distance
+  float attenuation_distance = 0;  // scene units; 0: any
+  Rgb emission;                    // radiance
+  float coat = 0, coat_roughness = 0;
+  Rgb sheen_color;
+  float sheen_roughness = 0;
+  uint32_t is_two_sided = 1;
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5f;
+  float normal_scale = 1;
+  // Textures, or kNoTexture. Roughness is in the green, metallic in the blue channel.
+  uint32_t metallic_roughness_texture = kNoTexture, normal_texture = kNoTexture,
+           emission_texture = kNoTexture, transmission_texture = kNoTexture;
+
+  friend bool operator==(const StandardSurface&, const StandardSurface&) = default;
+};
+
 /// How a texture continues beyond its edges. Files store the numbers.
 enum class TextureWrap : uint32_t { repeat, clamp, mirror };
 
@@ -93,7 +125,6 @@ struct Texture {
 
   friend bool operator==(const Texture&, const Texture&) = default;
 };
-inline constexpr uint32_t kNoTexture = 0xffffffffu;
 inline constexpr uint32_t kLargestTexture = 16384;     // a side, texels
 inline constexpr size_t kMaxTexels = size_t(1) << 28;  // of all together
 
@@ -338,7 +369,8 @@ struct Scene : Object {
   // kNoTexture; parallel to `materials`, or empty.
   Array<uint32_t> material_texture;
   Array<Texture> textures;
-  Array<uint32_t> texels;  // 0xBBGGRR, display values (sRGB)
+  Array<uint32_t> texels;  // 0xTTBBGGRR: display values (sRGB) or data; T: 255 - alpha
+  Array<StandardSurface> standard_surfaces;  // parallel to `materials`, or empty
 
   std::vector<std::string> object_names;
 
@@ -358,6 +390,15 @@ struct Scene : Object {
   uint32_t texture_of(MaterialId id) const {
     return material_texture.empty() ? kNoTexture : material_texture[id];
   }
+  /// Null if the material is NFF's.
+  const StandardSurface* standard_surface_of(MaterialId id) const {
+    if (standard_surfaces.empty() || !standard_surfaces[id].is_standard) return nullptr;
+    return &standard_surfaces[id];
+  }
+  /// Whether any surface emits light.
+  bool has_emission() const;
+  /// Makes the last material a standard surface.
+  void set_standard_surface(const StandardSurface& surface);
   /// Appends a material, and extends the columns that it needs.
   MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
                           float opacity = 1, uint32_t texture = kNoTexture);

@@ -95,6 +95,31 @@ void check_physical_light(const PhysicalLight& l, size_t i, Problems& problems) 
         "the inner radius must be at least 0 and below the radius, or both must be 0");
 }
 
+void check_standard_surface(const Scene& scene, size_t i, Problems& problems) {
+  const StandardSurface& s = scene.standard_surfaces[i];
+  const auto check = [&](bool sound, std::string_view expected) {
+    problems.check(sound, "material ", i, ": ", expected);
+  };
+  check(s.is_standard <= 1 && s.is_thin <= 1 && s.is_two_sided <= 1, "a switch must be 0 or 1");
+  check(s.alpha_mode <= AlphaMode::blend, "the alpha mode must be 0 to 2");
+  check(!s.is_standard || scene.materials[i].ior > 0, "the index of refraction must be positive");
+  const auto is_part = [](float x) { return x >= 0 && x <= 1; };
+  check(is_part(s.metallic) && is_part(s.roughness) && is_part(s.transmission) && is_part(s.coat) &&
+            is_part(s.coat_roughness) && is_part(s.sheen_roughness) && is_part(s.specular),
+        "metallic, roughness, specular, transmission, coat and sheen roughness must be 0 to 1");
+  check(is_intensity(s.specular_color) && is_intensity(s.attenuation_color) &&
+            is_intensity(s.sheen_color) && is_intensity(s.emission),
+        "colours must be finite and not negative");
+  check(at_least_zero(s.attenuation_distance) && at_least_zero(s.alpha_cutoff) &&
+            std::isfinite(s.normal_scale),
+        "attenuation distance, alpha cutoff and normal scale must be finite, the first two not "
+        "negative");
+  for (const uint32_t texture :
+       {s.metallic_roughness_texture, s.normal_texture, s.emission_texture, s.transmission_texture})
+    problems.check(texture == kNoTexture || texture < scene.textures.size(), "material ", i,
+                   ": texture ", size_t(texture), " of ", scene.textures.size());
+}
+
 void check_lights_and_materials(const Scene& scene, Problems& problems) {
   problems.check(is_intensity(scene.background),
                  "background: the colour must be finite and not negative");
@@ -130,6 +155,10 @@ void check_lights_and_materials(const Scene& scene, Problems& problems) {
   parallel(scene.material_roughness.size(), "roughness values");
   parallel(scene.material_opacity.size(), "opacities");
   parallel(scene.material_texture.size(), "textures");
+  parallel(scene.standard_surfaces.size(), "standard surfaces");
+  if (scene.standard_surfaces.size() == scene.materials.size())
+    for (size_t i = 0; i < scene.standard_surfaces.size(); ++i)
+      check_standard_surface(scene, i, problems);
   for (size_t i = 0; i < scene.material_specular.size(); ++i)
     problems.check(is_intensity(scene.material_specular[i]), "material ", i,
                    ": the specular colour must be finite and not negative");

@@ -89,6 +89,7 @@ template <> struct Element<Instance> : Numbers<Number::u32, 13> {};
 template <> struct Element<Texture> : Numbers<Number::u32, 5> {};
 // Floats and whole numbers, declared as 32-bit words as well.
 template <> struct Element<PhysicalLight> : Numbers<Number::u32, sizeof(PhysicalLight) / 4> {};
+template <> struct Element<StandardSurface> : Numbers<Number::u32, sizeof(StandardSurface) / 4> {};
 template <> struct Element<Environment> : Numbers<Number::u32, sizeof(Environment) / 4> {};
 // clang-format on
 
