@@ -99,11 +99,12 @@ struct StandardSurface {
   uint32_t is_thin = 1;    // transmits without refraction, as a sheet
   Rgb attenuation_color{1, 1, 1};  // what is left inside after attenuation_distance
   float attenuation_distance = 0;  // scene units; 0: any
-  Rgb emission;                    // radiance
+  Rgb emission{0, 0, 0};           // radiance
   float coat = 0, coat_roughness = 0;
-  Rgb sheen_color;
+  Rgb sheen_color{0, 0, 0};
   float sheen_roughness = 0;
   uint32_t is_two_sided = 1;
+  uint32_t is_unlit = 0;  // reflects nothing; `emission` is the base colour
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
   float normal_scale = 1;

@@ -100,7 +100,8 @@ void check_standard_surface(const Scene& scene, size_t i, Problems& problems) {
   const auto check = [&](bool sound, std::string_view expected) {
     problems.check(sound, "material ", i, ": ", expected);
   };
-  check(s.is_standard <= 1 && s.is_thin <= 1 && s.is_two_sided <= 1, "a switch must be 0 or 1");
+  check(s.is_standard <= 1 && s.is_thin <= 1 && s.is_two_sided <= 1 && s.is_unlit <= 1,
+        "a switch must be 0 or 1");
   check(s.alpha_mode <= AlphaMode::blend, "the alpha mode must be 0 to 2");
   check(!s.is_standard || scene.materials[i].ior > 0, "the index of refraction must be positive");
   const auto is_part = [](float x) { return x >= 0 && x <= 1; };
