@@ -133,7 +133,7 @@ double Geometry::bytes_to_bake(const Scene& scene, const Object& object) {
     triangles += double(mesh.triangles.size());
     // With vertex colours, which any mesh may have.
     joined += double(2 * mesh.positions.size() + mesh.normals.size()) * sizeof(Vec3f);
-    if (!scene.material_texture.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
+    if (!scene.textures.empty()) joined += double(mesh.positions.size()) * sizeof(Uv);
   }
   if (!object.meshes.empty())
     joined += double(object.positions.size() + object.normals.size()) * sizeof(Vec3f) +
@@ -233,7 +233,7 @@ void Geometry::join_meshes() {
         append(to, from);
   };
   join(own_vertex_colors_, &Mesh::colors, Rgb(1));
-  if (!scene_->material_texture.empty()) join(own_uv_, &Mesh::uv, Uv{});
+  if (!scene_->textures.empty()) join(own_uv_, &Mesh::uv, Uv{});
   positions_ = own_positions_, normals_ = own_vertex_normals_;
   triangles_ = own_triangles_, triangle_normals_ = own_normals_;
 }

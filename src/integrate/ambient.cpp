@@ -8,6 +8,7 @@
 #include "integrate/features-inl.h"
 #include "integrate/lights-inl.h"
 #include "integrate/optics-inl.h"
+#include "integrate/shading-inl.h"
 #include "integrate/shadings-inl.h"
 #include "integrate/sky-inl.h"
 #include "scene/columns.h"
@@ -15,19 +16,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 namespace {
-
-// Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
-struct WideFrame {
-  V3 u, v;
-
-  explicit HWY_INLINE WideFrame(const V3& n) {
-    const V one = hn::Set(d, 1), sign = hn::CopySign(one, n.z);
-    const V a = hn::Neg(hn::Div(one, hn::Add(sign, n.z))), b = hn::Mul(hn::Mul(n.x, n.y), a);
-    u = {hn::Add(one, hn::Mul(hn::Mul(hn::Mul(sign, n.x), n.x), a)), hn::Mul(sign, b),
-         hn::Neg(hn::Mul(sign, n.x))};
-    v = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
-  }
-};
 
 class AmbientShading final : public Shading {
  public:
@@ -45,10 +33,8 @@ class AmbientShading final : public Shading {
         scene.settings.channels.has(Channel::alpha) && scene.settings.background == Rgb();
     const Rgb ground = is_open ? look_.background : scene.settings.background;
     if (max_component(ground) < 0.1f) line_color_ = Rgb(0.7f);
-    // Over the viewer's left shoulder; its disc spans about eleven degrees.
-    to_key_ = normalize(scene.eye.right * -0.45f + scene.eye.up * 0.7f - scene.forward * 0.75f);
-    const Frame<float> frame(to_key_);
-    key_u_ = frame.u * kKeyRadius, key_v_ = frame.v * kKeyRadius;
+    const SampledLight key = key_light(scene.eye, scene.forward, look_);
+    to_key_ = key.position, key_u_ = key.edge_u, key_v_ = key.edge_v;
     if (outline_ == 0) return;
     if (scene.scene.moves()) crease_rays_.add_time();
     crease_rays_.resize(kChunk + kWidth), crease_hits_.reset(kChunk + kWidth);
@@ -83,11 +69,12 @@ class AmbientShading final : public Shading {
   // The shadows on a floor that only eye rays hit. Eye rays that hit nothing else get the
   // background, darkened by the shadows, or, with a transparent background, the coverage of the
   // shadows.
-  bool shade_misses(Wavefront& w, bool transparent, const WideSampler<D>& sampler) override {
-    if (scene_.floor_distance <= 0) return false;
+  bool shade_misses(Wavefront& w, int level, bool transparent,
+                    const WideSampler<D>& sampler) override {
+    if (level > 1 || scene_.floor_distance <= 0) return false;
     PathRays& rays = w.rays();
     const size_t n = rays.rays.size();
-    others_.tinted = rays.tinted;
+    others_.use_columns_of(rays);
     std::swap(others_, rays), std::swap(other_hits_, w.hits());
     rays.resize(n), w.hits().reset(n);
     size_t missed = 0, met = 0;
@@ -172,8 +159,6 @@ class AmbientShading final : public Shading {
       store(dark, v.kd, i);
     }
   }
-
-  static constexpr float kKeyRadius = 0.1f;  // at distance 1
 
   // The colours of StyleParams::soft, and the sky mirrored by dark surfaces.
   void soften(Wavefront& w, size_t n) {
@@ -448,41 +433,6 @@ class AmbientShading final : public Shading {
   // The first `n` lanes from i that receive light, since they are not on a line.
   HWY_INLINE M lit_lanes(size_t i, size_t n) const {
     return hn::And(hn::FirstN(d, n - i), hn::Eq(hn::Load(d, &on_line_[i]), hn::Zero(d)));
-  }
-
-  // Rays that are not in `mask` count as unlit.
-  static HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& dir, V tmax,
-                                 M mask) {
-    hn::Store(origin.x, d, &rays.ox[i]), hn::Store(origin.y, d, &rays.oy[i]);
-    hn::Store(origin.z, d, &rays.oz[i]);
-    hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
-    hn::Store(dir.z, d, &rays.dz[i]);
-    hn::Store(hn::IfThenElse(mask, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
-  }
-
-  // Traces the wavefront's shadow rays and adds light(i, the unoccluded share).
-  template <class Light>
-  void add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose depth,
-               const Light& light) {
-    SurfacePoints& v = w.points();
-    const RayBatch& rays = w.shadow_rays();
-    const V zero = hn::Zero(d);
-    size_t asked = 0;
-    for (size_t i = 0; i < n; i += kWidth)
-      asked += hn::CountTrue(d, hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero)));
-    if (asked == 0) return;
-    w.counts().shadow += asked;
-    const uint8_t* const hidden = w.occluded(sampler, depth);
-    for (size_t i = 0; i < n; i += kWidth) {
-      const M sent = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
-      const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
-      const M seen = hn::And(sent, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));
-      w.counts().shadow_hits += hn::CountTrue(d, hn::AndNot(seen, sent));
-      if (hn::AllFalse(d, seen)) continue;
-      const V share = w.shares() ? hn::LoadU(d, w.shares() + i) : hn::Set(d, 1);
-      const V3 sum = load(v.radiance, i) + light(i, hn::IfThenElseZero(seen, share));
-      store(select(seen, sum, load(v.radiance, i)), v.radiance, i);
-    }
   }
 
   const PreparedScene& scene_;

@@ -54,22 +54,29 @@ inline void tint_by_vertices(const Geometry& geometry, const HitColumns& hit, si
   }
 }
 
+// Of the point of a triangle with barycentric weights b1 and b2; (0, 0) without coordinates.
+inline Uv texture_coordinates(const Geometry& geometry, uint32_t triangle, float b1, float b2) {
+  const std::span<const Uv> uv = geometry.texture_coordinates();
+  if (uv.empty()) return {};
+  const TriangleIndices& at = geometry.corners(triangle);
+  const float b0 = 1 - b1 - b2;
+  const auto along = [&](size_t axis) {
+    return uv[at[0]][axis] * b0 + uv[at[1]][axis] * b1 + uv[at[2]][axis] * b2;
+  };
+  return {along(0), along(1)};
+}
+
 // Multiplies by textures. Their sizes may differ from lane to lane, so they are looked up one by
 // one.
 inline void tint_by_textures(const Geometry& geometry, const Scene& scene, const HitColumns& hit,
                              size_t i, const MaterialId* materials, Floats3& color) {
-  const std::span<const Uv> uv = geometry.texture_coordinates();
   for (size_t k = i; k < i + kWidth; ++k) {
     const std::optional<uint32_t> triangle = hit.triangle(geometry, k);
     if (!triangle) continue;
     const uint32_t texture = scene.material_texture[materials[k]];
     if (texture == kNoTexture) continue;
-    const TriangleIndices& at = geometry.corners(*triangle);
-    const float b1 = hit.hits.u[k], b2 = hit.hits.v[k], b0 = 1 - b1 - b2;
-    const auto along = [&](size_t axis) {
-      return uv[at[0]][axis] * b0 + uv[at[1]][axis] * b1 + uv[at[2]][axis] * b2;
-    };
-    const Rgb tint = texture_color(scene, texture, {along(0), along(1)});
+    const Uv at = texture_coordinates(geometry, *triangle, hit.hits.u[k], hit.hits.v[k]);
+    const Rgb tint = texture_color(scene, texture, at);
     color.x.at[k] *= tint.x, color.y.at[k] *= tint.y, color.z.at[k] *= tint.z;
   }
 }

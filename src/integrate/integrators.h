@@ -9,12 +9,14 @@
 
 namespace raio::core {
 
-enum class IntegratorKind : uint8_t { classic, views, ambient };
+enum class IntegratorKind : uint8_t { classic, views, ambient, path };
 
-inline constexpr std::array<std::string_view, 3> kIntegratorNames = {"classic", "views", "ambient"};
+inline constexpr std::array<std::string_view, 4> kIntegratorNames = {"classic", "views", "ambient",
+                                                                     "path"};
 inline constexpr std::string_view kIntegratorHelp =
     "How rays become colours: classic, the shading of Whitted and Phong; ambient, for figures, "
-    "with the light of a sky and a key light; or views, which shows what eye rays intersect";
+    "with the light of a sky and a key light; path, which follows light over many bounces; or "
+    "views, which shows what eye rays intersect";
 
 struct RenderSettings;
 struct Scene;

@@ -85,6 +85,16 @@ double SampledLight::brightest() const {
   return double(max_component(emission)) / (std::sqrt(1 - sine * sine) * nearest);
 }
 
+SampledLight key_light(const EyeRays& eye, Vec3f forward, const StyleParams& look) {
+  constexpr float kRadius = 0.1f;
+  SampledLight light;
+  light.is_distant = true;
+  light.position = normalize(eye.right * -0.45f + eye.up * 0.7f - forward * 0.75f);
+  light.emission = Rgb(look.key * float(std::numbers::pi));
+  span_disc(light, light.position, kRadius);
+  return light;
+}
+
 Rgb uncolored_intensity(const Scene& scene) {
   return Rgb(float(1 / std::sqrt(double(std::max<size_t>(1, scene.lights.size())))));
 }

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "integrate/camera.h"
+#include "integrate/figure.h"
 #include "scene/scene.h"
 
 namespace raio::core {
@@ -30,6 +32,10 @@ struct SampledLight {
 /// a thousandth of the scene's size, its light does not increase any more, so that it has a bound.
 /// The size is the diagonal of the box around everything bounded, the lights and the camera.
 std::vector<SampledLight> sampled_lights(const Scene& scene, const Camera& camera);
+
+/// The key light of figures, over the viewer's left shoulder: a disc that spans about eleven
+/// degrees. A white surface facing it has the radiance StyleParams::key.
+SampledLight key_light(const EyeRays& eye, Vec3f forward, const StyleParams& look);
 
 /// The intensity of an NFF light without a colour.
 Rgb uncolored_intensity(const Scene& scene);

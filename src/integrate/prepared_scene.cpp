@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "integrate/classic.h"
+#include "integrate/path_scene.h"
 #include "scene/enclosing.h"
 
 namespace raio::core {
@@ -33,6 +34,24 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
     }
     emitters.push_back(e);
   }
+  if (r.integrator == IntegratorKind::path) prepare_path();
+}
+
+PreparedScene::~PreparedScene() = default;
+
+void PreparedScene::prepare_path() {
+  std::vector<SampledLight> all;
+  if (settings.figure.key_light == KeyLight::scene) {
+    all = sampled_lights(scene, settings.camera);
+    for (size_t i = 0; i < emitters.size() && settings.soft_shadows; ++i) {
+      all[i].is_round = false, all[i].edge_u = emitters[i].edge_u,
+      all[i].edge_v = emitters[i].edge_v;
+      all[i].position = all[i].position - (emitters[i].edge_u + emitters[i].edge_v) / 2;
+    }
+  } else if (settings.figure.key_light == KeyLight::on) {
+    all.push_back(key_light(eye, forward, params_of(settings.figure.look)));
+  }
+  path = std::make_unique<const PathScene>(scene, accel.geometry(), all);
 }
 
 void PreparedScene::measure_depth() {

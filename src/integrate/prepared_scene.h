@@ -15,6 +15,8 @@
 
 namespace raio::core {
 
+struct PathScene;  // path_scene.h
+
 /// Shared by all tiles. Immutable.
 struct PreparedScene {
   /// A light with its intensity, and its square or rectangle for soft shadows.
@@ -37,13 +39,16 @@ struct PreparedScene {
   float floor_height = 0, floor_distance = 0;
   Sampler sampler;
   std::vector<Emitter> emitters;
-  std::vector<SampledLight> lights;  // of figures with KeyLight::scene
+  std::vector<SampledLight> lights;       // of figures with KeyLight::scene
+  std::unique_ptr<const PathScene> path;  // of the integrator `path`
 
   PreparedScene(const Scene&, const Accel&, const RenderSettings&);
+  ~PreparedScene();
 
  private:
   void measure_depth();
   void lay_floor();
+  void prepare_path();
 };
 
 /// Renders tiles, one after another; one per thread, with its own buffers.

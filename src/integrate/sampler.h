@@ -19,10 +19,15 @@
 //   kSkyDepth    place in ray tree     the largest depth a ray to the sky passes, in_unit()
 //   kKeyDepth    place in ray tree     the same for the ray to the key light
 //   kLightDepth + i  place in ray tree  the same for the ray to light i
+//   kBsdf        bounce of a path      its next direction
+//   kLobe        bounce of a path      the lobe of the surface, and whether the path ends
+//   kLightChoice  bounce of a path     which light it samples, in_unit()
+//   kLightPoint  bounce of a path      the point on this light
 //
 // A pixel is identified by its column plus 65536 times its row. A group of pixels
 // (integrate/screen_keys.h) further down or to the right has a random identity.
-// Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1.
+// Branch 1 is the eye ray; the reflected child of branch b is 2b, the refracted one 2b + 1. Bounce
+// b of a path has the number 2^b.
 #pragma once
 
 #include <array>
@@ -46,6 +51,10 @@ enum Purpose : uint32_t {
   kLayerKey = 0x80000006u,
   kSkyDepth = 0x80000007u,
   kKeyDepth = 0x80000008u,
+  kBsdf = 0x80000009u,
+  kLobe = 0x8000000au,
+  kLightChoice = 0x8000000bu,
+  kLightPoint = 0x8000000cu,
   kLightDepth = 0xc0000000u
 };
 

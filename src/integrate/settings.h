@@ -64,7 +64,7 @@ struct PlainOptions {
   int lens_samples = 0;  // per cell
   int samples = 0;       // per pixel in total, instead of aa x aa x lens_samples; 0: that product
 
-  int depth = 5;  // levels of rays
+  int depth = 0;  // levels of rays
   bool soft_shadows = false;
   float light_size = 0;           // side of the square; 0: a tenth of the light's distance
   float aperture = 0, focus = 0;  // lens radius and focus distance, also without dof
@@ -99,7 +99,7 @@ struct RenderSettings : PlainOptions {
   float shutter_open = 0, shutter_close = 1;
   FigureSettings figure;  // for the integrator `ambient`
 
-  RenderSettings() { width = height = 512, aa = lens_samples = threads = 1; }
+  RenderSettings() { width = height = 512, aa = lens_samples = threads = 1, depth = 5; }
 
   /// The rendered part of the whole picture.
   Crop frame() const { return crop.value_or(Crop{0, 0, width, height}); }

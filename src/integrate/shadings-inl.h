@@ -17,6 +17,7 @@ namespace raio::core::HWY_NAMESPACE {
 std::unique_ptr<Shading> make_classic_shading(const PreparedScene& scene);
 std::unique_ptr<Shading> make_views_shading(const PreparedScene& scene);
 std::unique_ptr<Shading> make_ambient_shading(const PreparedScene& scene);
+std::unique_ptr<Shading> make_path_shading(const PreparedScene& scene);
 
 }  // namespace raio::core::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

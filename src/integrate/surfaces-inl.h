@@ -61,6 +61,7 @@ struct SurfacePoints {
   Floats3 color;
   Floats kd, ks, shine, transmission, ior;
   Floats eta;        // for refraction
+  Floats side;       // 1: the ray hits the outside, -1: the inside
   Floats3 radiance;  // towards the ray, so far
   // For other shading models than NFF's, which gather them.
   Floats3 specular;  // the colour of highlight and mirror

@@ -383,7 +383,9 @@ void find_own_surfaces(const Geometry& geometry, const Scene& scene, const RayBa
       store(normal, v.normal, i), store(geometric, v.geometric, i);
       store(offset_point(s.point, geometric, scale, true), v.outside, i);
       const V ior = load(v.ior, i);
-      store(hn::IfThenElse(entering, hn::Div(hn::Set(d, 1), ior), ior), v.eta, i);
+      const V one = hn::Set(d, 1);
+      store(hn::IfThenElse(entering, hn::Div(one, ior), ior), v.eta, i);
+      store(hn::IfThenElse(entering, one, hn::Neg(one)), v.side, i);
     };
     const U kinds = hn::Load(du, v.kind + i);
     const auto all_are = [&](PrimitiveKind kind) RAIO_INLINE_LAMBDA {
@@ -411,9 +413,9 @@ void copy_surface_point(const SurfacePoints& from, size_t k, SurfacePoints& v, s
         &SurfacePoints::geometric, &SurfacePoints::color})
     (v.*c).x.at[i] = (from.*c).x.at[k], (v.*c).y.at[i] = (from.*c).y.at[k],
     (v.*c).z.at[i] = (from.*c).z.at[k];
-  for (Floats SurfacePoints::* c :
-       {&SurfacePoints::scale, &SurfacePoints::kd, &SurfacePoints::ks, &SurfacePoints::shine,
-        &SurfacePoints::transmission, &SurfacePoints::ior, &SurfacePoints::eta})
+  for (Floats SurfacePoints::* c : {&SurfacePoints::scale, &SurfacePoints::kd, &SurfacePoints::ks,
+                                    &SurfacePoints::shine, &SurfacePoints::transmission,
+                                    &SurfacePoints::ior, &SurfacePoints::eta, &SurfacePoints::side})
     (v.*c).at[i] = (from.*c).at[k];
   v.material[i] = from.material[k], v.kind[i] = from.kind[k], v.index[i] = from.index[k];
 }

@@ -100,6 +100,10 @@ struct PathRays {
   Column<uint32_t> pixel, branch;
   std::array<Column<float>, 3> weight;  // red, green and blue; only red if they are always equal
   bool tinted = false;                  // whether they may differ
+  // The density per solid angle with which the direction was sampled, for multiple importance
+  // sampling, or 0 for those that only the path finds; in use if `weighs`.
+  Column<float> density;
+  bool weighs = false;
 
   // Makes room for n rays and what `put` overwrites after them.
   void resize(size_t n) {
@@ -109,13 +113,17 @@ struct PathRays {
     if (pixel.size() >= room) return;
     pixel.resize(room), branch.resize(room);
     for (size_t c = 0; c < weights_each(); ++c) weight[c].resize(room);
+    if (weighs) density.resize(room);
   }
+  // Uses the same columns as `other`.
+  void use_columns_of(const PathRays& other) { tinted = other.tinted, weighs = other.weighs; }
   size_t weights_each() const { return tinted ? 3 : 1; }
   HWY_INLINE void put(const V3& origin, const V3& dir, V tmax, U p, U b, const V3& w, M mask,
-                      size_t i) {
+                      size_t i, V sampled = hn::Zero(d)) {
     HWY_NAMESPACE::put(origin, dir, tmax, mask, rays, i);
     HWY_NAMESPACE::put(p, mask, pixel, i), HWY_NAMESPACE::put(b, mask, branch, i);
     HWY_NAMESPACE::put(w.x, mask, weight[0], i);
+    if (weighs) HWY_NAMESPACE::put(sampled, mask, density, i);
     if (!tinted) return;
     HWY_NAMESPACE::put(w.y, mask, weight[1], i), HWY_NAMESPACE::put(w.z, mask, weight[2], i);
   }
@@ -124,11 +132,13 @@ struct PathRays {
     if (!tinted) return {red, red, red};
     return {red, load(weight[1], i), load(weight[2], i)};
   }
+  HWY_INLINE V densities(size_t i) const { return weighs ? load(density, i) : hn::Zero(d); }
   // Sets element i to element k of `from`, with `part` of its weight.
   void set(size_t i, const PathRays& from, size_t k, float part = 1) {
     rays.set(i, from.rays[k]);
     pixel[i] = from.pixel[k], branch[i] = from.branch[k];
     for (size_t c = 0; c < weights_each(); ++c) weight[c][i] = from.weight[c][k] * part;
+    if (weighs) density[i] = from.density[k];
   }
   // Replaces this with the last rays of `from`, at most `count`, which are removed there.
   void take_last(size_t count, PathRays& from) {
@@ -145,6 +155,7 @@ struct PathRays {
     take(a.dx, b.dx), take(a.dy, b.dy), take(a.dz, b.dz), take(a.tmax, b.tmax);
     take(pixel, from.pixel), take(branch, from.branch);
     for (size_t c = 0; c < weights_each(); ++c) take(weight[c], from.weight[c]);
+    if (weighs) take(density, from.density);
     from.rays.resize(left);
   }
 };

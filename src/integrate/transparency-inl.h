@@ -40,7 +40,7 @@ class Transparency {
     }
     layers_.choose(accel, places_.data(), keys_.data(), w_.context());
     if (w_.stopped()) return;
-    behind_.tinted = rays.tinted;
+    behind_.use_columns_of(rays);
     std::swap(behind_, rays), std::swap(behind_hits_, w_.hits());
     const auto& list = layers_.shaded();
     if (level == 1 && !list.empty()) add_coverage(n);

@@ -40,6 +40,8 @@ class Shading {
   virtual int levels() const { return 1; }
   // Whether rays' weights may differ in red, green and blue.
   virtual bool tints() const { return false; }
+  // Whether rays carry the density of their direction.
+  virtual bool weighs() const { return false; }
   // Whether begin() needs the costs of eye rays.
   virtual bool counts_rays() const { return false; }
   // The light of rays that hit nothing; sky() if it depends on their direction.
@@ -49,9 +51,11 @@ class Shading {
 
   // Receives the current rays' costs, before misses are dropped.
   virtual void begin(Wavefront&, size_t) {}
-  // Adds the light of the current eye rays that hit nothing and returns true, or returns false to
-  // leave them to the background. `transparent`: the picture has alpha, so they add only coverage.
-  virtual bool shade_misses(Wavefront&, bool /*transparent*/, const WideSampler<D>&) {
+  // Adds the light of the current rays that hit nothing and returns true, or returns false to leave
+  // them to the background. `transparent`: these are eye rays of a picture with alpha, so they add
+  // only coverage.
+  virtual bool shade_misses(Wavefront&, int /*level*/, bool /*transparent*/,
+                            const WideSampler<D>&) {
     return false;
   }
   // Sets points().radiance of the n current rays, all of which hit something.
@@ -131,10 +135,10 @@ class Wavefront final : public TileRenderer {
     }
     // Adds children of current rays i, i + 1, ... in `mask`, with `part` of their weights, a V or,
     // if rays are tinted, a V3. Returns the number of rays to be traced. `side`: 0 for the
-    // reflected child, 1 for the refracted one.
+    // reflected child, 1 for the refracted one. `density`: as in PathRays.
     template <class Part>
     HWY_INLINE size_t add(size_t i, const V3& origin, const V3& dir, const Part& part,
-                          uint32_t side, M mask) {
+                          uint32_t side, M mask, V density = hn::Zero(d)) {
       const V3 weight = w_.current_.weights(i) * part;
       if (last_) {
         w_.add_untraced(i, origin, dir, weight, side, mask);
@@ -143,7 +147,7 @@ class Wavefront final : public TileRenderer {
       const U branch = load(w_.current_.branch, i);
       const V inf = hn::Set(d, std::numeric_limits<float>::infinity());
       out_->put(origin, dir, inf, load(w_.current_.pixel, i),
-                hn::Add(hn::Add(branch, branch), hn::Set(du, side)), weight, mask, size_);
+                hn::Add(hn::Add(branch, branch), hn::Set(du, side)), weight, mask, size_, density);
       const size_t count = hn::CountTrue(d, mask);
       size_ += count;
       return count;

@@ -43,8 +43,8 @@ Wavefront::Wavefront(const PreparedScene& scene, WorkControl& control,
       hidden_(padded(kChunk)) {
   if (scene.accel.geometry().any_transparent())
     transparency_ = std::make_unique<Transparency>(*this);
-  for (PathRays& rays : waiting_) rays.tinted = shading_->tints();
-  current_.tinted = shading_->tints();
+  current_.tinted = shading_->tints(), current_.weighs = shading_->weighs();
+  for (PathRays& rays : waiting_) rays.use_columns_of(current_);
   context_.stop = &control.stop;
 }
 
@@ -147,7 +147,7 @@ void Wavefront::trace_level(int level, const WideSampler<D>& sampler) {
   if (context_.stopped()) return;
   // A picture with alpha gets its background later.
   const bool transparent = level == 1 && sums_.layout().has(Channel::alpha);
-  const bool done = level == 1 && shading_->shade_misses(*this, transparent, sampler);
+  const bool done = shading_->shade_misses(*this, level, transparent, sampler);
   if (context_.stopped()) return;
   drop_misses(!transparent && !done);
   if (transparency_) transparency_->begin_opaque();
@@ -225,7 +225,7 @@ void Wavefront::drop_misses(bool seen) {
       if (instanced_) put(load(hits_.instance, i), found, hits_.instance, kept);
       current_.put(origins(rays, i), directions(rays, i), load(rays.tmax, i),
                    load(current_.pixel, i), load(current_.branch, i), current_.weights(i), found,
-                   kept);
+                   kept, current_.densities(i));
     }
     kept += count;
   }
@@ -261,8 +261,8 @@ namespace {
 
 std::unique_ptr<TileRenderer> make_renderer(const PreparedScene& scene, WorkControl& control) {
   // In the order of IntegratorKind.
-  static constexpr auto kShadings =
-      std::to_array({make_classic_shading, make_views_shading, make_ambient_shading});
+  static constexpr auto kShadings = std::to_array(
+      {make_classic_shading, make_views_shading, make_ambient_shading, make_path_shading});
   static_assert(kShadings.size() == kIntegratorNames.size());
   return std::make_unique<Wavefront>(scene, control,
                                      kShadings[size_t(scene.settings.integrator)](scene));

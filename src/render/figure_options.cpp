@@ -52,24 +52,33 @@ bool has_plain_background(const RenderOptions& options, const Scene& scene) {
 }
 
 // The defaults that the scene decides: its own light as it is, if it has any.
-KeyLight usual_key_light(const Scene& scene) {
-  return scene.physical_lights.empty() ? KeyLight::on : KeyLight::scene;
+KeyLight usual_key_light(const RenderOptions& options, const Scene& scene) {
+  const bool is_path = integrator_of(options, scene) == IntegratorKind::path;
+  const bool is_lit = is_path ? has_own_light(scene) : !scene.physical_lights.empty();
+  return is_lit ? KeyLight::scene : KeyLight::on;
 }
-Rgb usual_sky_light(const Scene& scene, const StyleParams& look) {
-  return Rgb(scene.environment.empty() ? look.sky : 1);
+Rgb usual_sky_light(const RenderOptions& options, const Scene& scene, const StyleParams& look) {
+  if (!scene.environment.empty()) return Rgb(1);
+  const bool is_path = integrator_of(options, scene) == IntegratorKind::path;
+  return Rgb(is_path && has_own_light(scene) ? 0 : look.sky);
 }
 
 }  // namespace
+
+bool has_own_light(const Scene& scene) {
+  return scene.dialect != Dialect::data || !scene.lights.empty() ||
+         !scene.physical_lights.empty() || !scene.environment.empty() || scene.has_emission();
+}
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene) {
   FigureSettings figure;
   figure.look = options.look.value_or(FigureSettings().look);
   if (options.occlusion_rays > 0) figure.occlusion_rays = options.occlusion_rays;
   figure.occlusion_distance = options.occlusion_distance;
-  figure.key_light = options.key_light.value_or(usual_key_light(scene));
+  figure.key_light = options.key_light.value_or(usual_key_light(options, scene));
   figure.shadow_catcher = options.shadow_catcher;
   const StyleParams look = params_of(figure.look);
-  figure.sky_light = options.sky_light.value_or(usual_sky_light(scene, look));
+  figure.sky_light = options.sky_light.value_or(usual_sky_light(options, scene, look));
   figure.outline = options.outline.value_or(look.outline);
   const bool fades = has_plain_background(options, scene);
   figure.depth_cue = options.depth_cue.value_or(fades ? look.depth_cue : 0);
@@ -80,10 +89,11 @@ void set_figure(RenderOptions& options, const FigureSettings& figure, const Scen
   options.look = figure.look;
   options.occlusion_rays = figure.occlusion_rays;
   options.occlusion_distance = figure.occlusion_distance;
-  if (figure.key_light != usual_key_light(scene)) options.key_light = figure.key_light;
+  if (figure.key_light != usual_key_light(options, scene)) options.key_light = figure.key_light;
   options.shadow_catcher = figure.shadow_catcher;
   const StyleParams look = params_of(figure.look);
-  if (figure.sky_light != usual_sky_light(scene, look)) options.sky_light = figure.sky_light;
+  if (figure.sky_light != usual_sky_light(options, scene, look))
+    options.sky_light = figure.sky_light;
   if (figure.outline != look.outline) options.outline = figure.outline;
   if (figure.depth_cue != look.depth_cue) options.depth_cue = figure.depth_cue;
 }

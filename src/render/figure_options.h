@@ -29,6 +29,10 @@ FigureSettings figure_settings(const RenderOptions& options, const Scene& scene)
 /// The options that resolve to these settings.
 void set_figure(RenderOptions& options, const FigureSettings& figure, const Scene& scene);
 
+/// Whether `path` takes light from the scene: all but figures have some, even if it is only the
+/// background.
+bool has_own_light(const Scene& scene);
+
 /// Whether depth cueing was requested without a colour to fade into.
 bool fades_into_nothing(const RenderOptions& options, const Scene& scene);
 

@@ -164,7 +164,10 @@ constexpr OptionValue<Options> kValue = kMember<Options, path...>;
 using table::only_with, table::range;
 constexpr auto kOfClassic = only_with(IntegratorKind::classic);
 constexpr auto kOfFigures = only_with(IntegratorKind::ambient);
-constexpr auto kOfLight = only_with(IntegratorKind::classic, IntegratorKind::ambient);
+constexpr auto kOfLight =
+    only_with(IntegratorKind::classic, IntegratorKind::ambient, IntegratorKind::path);
+constexpr auto kOfRayTrees = only_with(IntegratorKind::classic, IntegratorKind::path);
+constexpr auto kOfSkies = only_with(IntegratorKind::ambient, IntegratorKind::path);
 constexpr auto kLength = range(1e-30, 1e30, "scene units"), kCoordinate = range(-1e30, 1e30);
 constexpr OptionValue<Options> kLook = {OptionType::words, set_look, look_text,
                                         [](Options& o) { o.look.reset(); }, true};
@@ -220,10 +223,10 @@ constexpr auto kTable = std::to_array<OptionSpec>({
         "size at the distance of the point looked at; or in all directions (omnidirectional), as "
         "an equirectangular picture with that point in the middle",
         kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
-    option(
-        effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
-        usual("classic; ambient for atoms, points, meshes and physical light; views with `view`"),
-        one_of(kIntegratorNames)),
+    option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
+           usual("classic; ambient for atoms, points, meshes and physical light; path for scenes "
+                 "with surfaces that emit light; views with `view`"),
+           one_of(kIntegratorNames)),
     option(diagnostics, "view", "NAME",
            "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or "
            "samples instead of the picture",
@@ -245,7 +248,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     option(output, "tone", "NAME",
            "Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays, agx "
            "also compresses highlights",
-           kValue<&Options::tone>, usual("none; srgb for figures"), one_of(kToneNames), kOfLight),
+           kValue<&Options::tone>, usual("none; srgb for figures and paths"), one_of(kToneNames),
+           kOfLight),
     option(diagnostics, "accel", "NAME",
            "Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the "
            "scene's, else bvh",
@@ -261,14 +265,14 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            kValue<&Options::accel, &AccelOptions::grid_resolution>, range(1, kMaxSide)),
     option(sampling, "aa", "N",
            "Antialiasing with N x N jittered samples per pixel; 1 is one ray through the centre",
-           kValue<&Options::aa>, usual("the scene's, else 1; figures have 64 samples"),
+           kValue<&Options::aa>, usual("the scene's, else 1; figures and paths have 64 samples"),
            range(1, 256)),
     option(effects, "soft-shadows", "",
            "Soft shadows; lights become squares that face the point looked at",
-           kValue<&Options::soft_shadows>, kOfClassic),
+           kValue<&Options::soft_shadows>, kOfRayTrees),
     option(effects, "light-size", "S", "Side of the square lights of `soft-shadows`",
            kValue<&Options::light_size>,
-           usual("a tenth of the light's distance to the point looked at"), kLength, kOfClassic),
+           usual("a tenth of the light's distance to the point looked at"), kLength, kOfRayTrees),
     option(effects, "dof", "", "Depth of field; a thin lens replaces the pinhole",
            kValue<&Options::dof>, usual("on if the scene has a lens")),
     option(effects, "aperture", "R", "Lens radius for `dof`", kValue<&Options::aperture>,
@@ -288,7 +292,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "sequence, well distributed after any number of samples",
            kValue<&Options::sampler>, usual("jitter; sobol with `samples`"), one_of(kSamplerNames)),
     option(effects, "depth", "N", "Maximum ray depth; the eye ray is level 1",
-           kValue<&Options::depth>, range(1, kMaxDepth), kOfClassic, kAlwaysStored),
+           kValue<&Options::depth>, usual("5; 16 for paths"), range(1, kMaxDepth), kOfRayTrees,
+           kAlwaysStored),
     option(effects, "no-reflection", "", "Trace no reflected rays; highlights of the lights stay",
            kValue<&Options::no_reflection>, kOfClassic),
     option(effects, "no-refraction", "",
@@ -317,13 +322,14 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     option(figures, "look", "NAME",
            "Look of figures: paper, soft light on white; dark; flat, outlines without a key "
            "light; or matte; a number fixes the version, as in paper-1",
-           kLook, usual("paper"), one_of(kLooks), kOfFigures),
+           kLook, usual("paper"), one_of(kLooks), kOfSkies),
     option(
         figures, "sky-light", "COLOR",
         "Radiance of the sky: a number or a colour, with 1 for a sky in which white surfaces are "
         "white; 0 for no sky",
-        kSkyLight, usual("the look's; 1 for a scene with an environment"), range(0, 1e6),
-        kOfFigures),
+        kSkyLight,
+        usual("the look's; 1 for a scene with an environment; 0 for paths in scenes with lights"),
+        range(0, 1e6), kOfSkies),
     option(figures, "occlusion-rays", "N", "Rays to the sky from each surface point",
            kValue<&Options::occlusion_rays>, usual("2"), range(1, 4096), kOfFigures),
     option(figures, "occlusion-distance", "D",
@@ -332,8 +338,9 @@ constexpr auto kTable = std::to_array<OptionSpec>({
     option(figures, "key-light", "NAME",
            "Light over the viewer's left shoulder, with soft shadows: on or off; or scene, the "
            "scene's lights in physical units",
-           kValue<&Options::key_light>, usual("on; scene if it has physical lights"),
-           one_of(kKeyLights), kOfFigures),
+           kValue<&Options::key_light>,
+           usual("on; scene if it has physical lights, or, for paths, any light"),
+           one_of(kKeyLights), kOfSkies),
     option(figures, "outline", "W",
            "Outlines W pixels wide where depth jumps, faces meet or objects end; 0 for none",
            kValue<&Options::outline>, usual("the look's"), range(0, 64, "pixels"), kOfFigures),

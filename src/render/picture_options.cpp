@@ -97,14 +97,16 @@ std::string background_text(const RenderOptions& options, const OptionSpec&) {
 
 Tone tone_of(const RenderOptions& options, const Scene& scene) {
   const bool figure =
-      no_light_in(options).empty() && integrator_of(options, scene) == IntegratorKind::ambient;
+      no_light_in(options).empty() && integrator_of(options, scene) != IntegratorKind::classic;
   return options.tone.value_or(figure ? Tone::srgb : Tone::none);
 }
 
 Background background_of(const RenderOptions& options, const Scene& scene) {
   if (!no_light_in(options).empty()) return {scene.background, nullptr};
-  if (!options.background && scene.dialect == Dialect::data &&
-      integrator_of(options, scene) == IntegratorKind::ambient)
+  const IntegratorKind integrator = integrator_of(options, scene);
+  const bool is_figure = integrator == IntegratorKind::ambient ||
+                         (integrator == IntegratorKind::path && !has_own_light(scene));
+  if (!options.background && scene.dialect == Dialect::data && is_figure)
     return {params_of(options.look.value_or(FigureSettings().look)).background, nullptr};
   if (!options.background) return {scene.background, scene.sky};
   const WrittenColor& written = *options.background;
@@ -114,8 +116,8 @@ Background background_of(const RenderOptions& options, const Scene& scene) {
 }
 
 bool sees_environment(const RenderOptions& options, const Scene& scene) {
-  return !options.background && integrator_of(options, scene) == IntegratorKind::ambient &&
-         !scene.environment.empty() && scene.environment[0].visible;
+  return !options.background && integrator_of(options, scene) != IntegratorKind::classic &&
+         no_light_in(options).empty() && !scene.environment.empty() && scene.environment[0].visible;
 }
 
 ChannelSet channels_of(const RenderOptions& options) {

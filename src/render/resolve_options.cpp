@@ -15,6 +15,8 @@
 namespace raio::core {
 namespace {
 
+constexpr int kUsualPathDepth = 16;
+
 bool shows_rays(const RenderOptions& options) {
   return options.view != View::picture && options.view != View::samples;
 }
@@ -30,8 +32,9 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
   const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
                          !scene.environment.empty();
-  return selected_integrator(options).value_or(is_figure ? IntegratorKind::ambient
-                                                         : IntegratorKind::classic);
+  return selected_integrator(options).value_or(scene.has_emission() ? IntegratorKind::path
+                                               : is_figure          ? IntegratorKind::ambient
+                                                                    : IntegratorKind::classic);
 }
 
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
@@ -150,7 +153,7 @@ std::optional<Error> light_conflict(const Scene& scene, const RenderSettings& s)
     if (const std::string light = text_of(scene, {Feature::physical_lights, Feature::environment});
         !light.empty())
       return bad_option("integrator",
-                        fmt::format("classic would leave out {}; choose ambient", light));
+                        fmt::format("classic would leave out {}; choose ambient or path", light));
   if (s.figure.shadow_catcher && s.figure.key_light == KeyLight::scene)
     return bad_option("shadow-catcher",
                       "catches no shadows of `key-light` scene; leave it out, or choose on or off");
@@ -182,6 +185,7 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
     return bad_option("shutter", "has no effect on a scene without motion; leave it out");
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
                           s.integrator != IntegratorKind::ambient &&
+                          s.integrator != IntegratorKind::path &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
     return bad_option("samples",
@@ -314,7 +318,9 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   if (s.crop == Crop{0, 0, s.width, s.height}) s.crop.reset();
 
   s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
-  const bool figure = s.integrator == IntegratorKind::ambient;
+  const bool path = s.integrator == IntegratorKind::path;
+  const bool figure = path || s.integrator == IntegratorKind::ambient;
+  if (o.depth == 0) s.depth = path ? kUsualPathDepth : RenderSettings().depth;
   if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
       o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
     s.samples = kFigureSamples, s.sampler = SamplerKind::sobol;
@@ -340,7 +346,8 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   o.accel.opacity = 1;
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
-  if (s.integrator == IntegratorKind::ambient) set_figure(o, s.figure, scene);
+  if (s.integrator == IntegratorKind::ambient || s.integrator == IntegratorKind::path)
+    set_figure(o, s.figure, scene);
   // Pictures are written from their settings, without the scene.
   if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
   if (const Background own = background_of(o, scene);

@@ -40,21 +40,37 @@ Between between_texels(float x, uint32_t side, TextureWrap wrap) {
   return {texel(int(whole)), texel(int(whole) + 1), along - whole};
 }
 
-}  // namespace
-
-Rgb texture_color(const Scene& scene, uint32_t texture, Uv at) {
+// Bilinear between the four nearest texels, whose values are value(texel).
+template <class F>
+auto interpolated(const Scene& scene, uint32_t texture, Uv at, const F& value) {
   const Texture& t = scene.textures[texture];
   const Between u = between_texels(at[0], t.width, t.wrap_u);
   const Between v = between_texels(1 - at[1], t.height, t.wrap_v);  // rows go down
-  const std::array<float, 256>& linear = linear_from_srgb_bytes();
   const uint32_t* const texels = scene.texels.data() + t.first;
-  const auto color = [&](size_t column, size_t row) {
-    const uint32_t texel = texels[row * t.width + column];
+  const auto of = [&](size_t column, size_t row) { return value(texels[row * t.width + column]); };
+  const auto mix = [](auto a, auto b, float part) { return a + (b - a) * part; };
+  return mix(mix(of(u.first, v.first), of(u.second, v.first), u.part),
+             mix(of(u.first, v.second), of(u.second, v.second), u.part), v.part);
+}
+
+}  // namespace
+
+Rgb texture_color(const Scene& scene, uint32_t texture, Uv at) {
+  const std::array<float, 256>& linear = linear_from_srgb_bytes();
+  return interpolated(scene, texture, at, [&](uint32_t texel) {
     return Rgb(linear[texel & 255], linear[texel >> 8 & 255], linear[texel >> 16 & 255]);
-  };
-  const auto mix = [](Rgb a, Rgb b, float part) { return a + (b - a) * part; };
-  return mix(mix(color(u.first, v.first), color(u.second, v.first), u.part),
-             mix(color(u.first, v.second), color(u.second, v.second), u.part), v.part);
+  });
+}
+
+Rgb texture_value(const Scene& scene, uint32_t texture, Uv at) {
+  return interpolated(scene, texture, at, [](uint32_t texel) {
+    return Rgb(float(texel & 255), float(texel >> 8 & 255), float(texel >> 16 & 255)) / 255;
+  });
+}
+
+float texture_alpha(const Scene& scene, uint32_t texture, Uv at) {
+  return interpolated(scene, texture, at,
+                      [](uint32_t texel) { return float(255 - (texel >> 24)) / 255; });
 }
 
 }  // namespace raio::core

@@ -1,4 +1,4 @@
-// The colour of a texture at given coordinates.
+// The values of a texture at given coordinates.
 #pragma once
 
 #include "scene/scene.h"
@@ -8,5 +8,9 @@ namespace raio::core {
 /// Bilinear between the four nearest texels, which are converted to linear light first. The scene
 /// must pass validate(); NaN coordinates count as 0.
 Rgb texture_color(const Scene& scene, uint32_t texture, Uv at);
+/// The same for data, which is linear: 0 to 1 in each channel.
+Rgb texture_value(const Scene& scene, uint32_t texture, Uv at);
+/// The same for alpha; 1 for a picture without.
+float texture_alpha(const Scene& scene, uint32_t texture, Uv at);
 
 }  // namespace raio::core

@@ -1,0 +1,51 @@
+// The energy that microfacets reflect and transmit with one bounce: what they lack is made up for
+// by diffuse lobes (bsdf-inl.h), so that rough surfaces do not darken.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace raio::core {
+
+/// Directional albedos E(mu, alpha) of the GGX distribution with Smith's height-correlated
+/// masking, and their averages, 2 times the integral of E mu over mu. Kulla and Conty 2017,
+/// "Revisiting Physically Based Shading at Imageworks".
+///
+/// A table has a row for each roughness, the square root of alpha; its columns are equally spaced
+/// in the square root of mu. After the rows, it has their averages. Values between are bilinear.
+class EnergyTables {
+ public:
+  static constexpr uint32_t kRows = 32, kColumns = 32, kNumbers = kRows * (kColumns + 1);
+
+  /// The tables of a surface that separates indices of refraction, those outside and inside.
+  struct Dielectric {
+    uint32_t reflection = 0;             // what it reflects outside
+    uint32_t entering = 0, leaving = 0;  // what it reflects and transmits, together
+  };
+
+  /// Offsets into numbers(), of tables that are computed on first use. `ior`: inside relative to
+  /// outside.
+  uint32_t conductor();
+  Dielectric dielectric(float ior);
+
+  const float* numbers() const { return numbers_.data(); }
+
+ private:
+  template <class Energy>
+  uint32_t add(const Energy& energy);
+
+  std::vector<float> numbers_;
+  std::vector<std::pair<float, Dielectric>> dielectrics_;
+  bool has_conductor_ = false;
+  uint32_t conductor_ = 0;
+};
+
+/// The reflectance of a dielectric for unpolarised light (Fresnel's equations). `eta`: the index of
+/// refraction behind the surface relative to that in front.
+double dielectric_reflectance(double cosine, double eta);
+
+/// The Schlick-weighted average of a reflectance F0 over the hemisphere.
+constexpr float average_fresnel(float f0) { return f0 + (1 - f0) / 21; }
+
+}  // namespace raio::core

@@ -1,0 +1,65 @@
+// Tools of several shadings. Included once per instruction set (foreach_target.h).
+#if defined(RAIO_INTEGRATE_SHADING_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef RAIO_INTEGRATE_SHADING_INL_H_
+#undef RAIO_INTEGRATE_SHADING_INL_H_
+#else
+#define RAIO_INTEGRATE_SHADING_INL_H_
+#endif
+
+#include "integrate/sampler-inl.h"
+#include "integrate/wavefront-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace raio::core::HWY_NAMESPACE {
+
+// Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
+struct WideFrame {
+  V3 u, v;
+
+  explicit HWY_INLINE WideFrame(const V3& n) {
+    const V one = hn::Set(d, 1), sign = hn::CopySign(one, n.z);
+    const V a = hn::Neg(hn::Div(one, hn::Add(sign, n.z))), b = hn::Mul(hn::Mul(n.x, n.y), a);
+    u = {hn::Add(one, hn::Mul(hn::Mul(hn::Mul(sign, n.x), n.x), a)), hn::Mul(sign, b),
+         hn::Neg(hn::Mul(sign, n.x))};
+    v = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
+  }
+};
+
+// Rays that are not in `mask` count as unlit.
+HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& dir, V tmax, M mask) {
+  hn::Store(origin.x, d, &rays.ox[i]), hn::Store(origin.y, d, &rays.oy[i]);
+  hn::Store(origin.z, d, &rays.oz[i]);
+  hn::Store(dir.x, d, &rays.dx[i]), hn::Store(dir.y, d, &rays.dy[i]);
+  hn::Store(dir.z, d, &rays.dz[i]);
+  hn::Store(hn::IfThenElse(mask, tmax, hn::Set(d, -1)), d, &rays.tmax[i]);
+}
+
+// Traces the wavefront's shadow rays and adds light(i, the unoccluded share) to the radiance.
+template <class Light>
+void add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose depth,
+             const Light& light) {
+  SurfacePoints& v = w.points();
+  const RayBatch& rays = w.shadow_rays();
+  const V zero = hn::Zero(d);
+  size_t asked = 0;
+  for (size_t i = 0; i < n; i += kWidth)
+    asked += hn::CountTrue(d, hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero)));
+  if (asked == 0) return;
+  w.counts().shadow += asked;
+  const uint8_t* const hidden = w.occluded(sampler, depth);
+  for (size_t i = 0; i < n; i += kWidth) {
+    const M sent = hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero));
+    const auto stopped = hn::PromoteTo(du, hn::LoadU(hn::Rebind<uint8_t, DU>(), hidden + i));
+    const M seen = hn::And(sent, hn::RebindMask(d, hn::Eq(stopped, hn::Zero(du))));
+    w.counts().shadow_hits += hn::CountTrue(d, hn::AndNot(seen, sent));
+    if (hn::AllFalse(d, seen)) continue;
+    const V share = w.shares() ? hn::LoadU(d, w.shares() + i) : hn::Set(d, 1);
+    const V3 sum = load(v.radiance, i) + light(i, hn::IfThenElseZero(seen, share));
+    store(select(seen, sum, load(v.radiance, i)), v.radiance, i);
+  }
+}
+
+}  // namespace raio::core::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
