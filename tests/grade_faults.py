@@ -21,7 +21,8 @@ from mistakes import Mistake  # noqa: E402
 # The name of the fault, as `raio grade` prints it; see Mistake.
 FAULTS = [
     Mistake("upside-down", "solids", "", "for row in range(height):", "for row in reversed(range(height)):"),
-    Mistake("mirrored", "solids", "", "unit(cross(forward, scene.up))", "unit(cross(scene.up, forward))"),
+    Mistake("mirrored", "solids", "", "self.right * pixel, self.up", "self.right * -pixel, self.up"),
+    Mistake("turned", "solids", "", "unit(cross(forward, scene.up))", "unit(cross(scene.up, forward))"),
     Mistake("red-blue", "solids", "", "for c in range(3))", "for c in (2, 1, 0))"),
     Mistake("gamma-2.2", "solids", "", "min(mean[c], 1) + 0.5", "min(mean[c], 1) ** (1 / 2.2) + 0.5"),
     Mistake("overflow", "solids", "", "int(255 * min(mean[c], 1) + 0.5)", "int(255 * mean[c] + 0.5) % 256"),

@@ -99,7 +99,7 @@ struct GradeCommand {
   std::string reference;       // the right picture; empty: rendered
   std::string output;          // for the pictures and their difference; empty: none
   std::string counts;          // numbers of rays that the student's program printed; empty: none
-  double threshold = 2.5;      // the largest RMSE that passes, of 255
+  double threshold = 1;        // the largest RMSE that passes, of 255
   int tolerance = 8;           // a pixel is wrong if a channel differs by more, of 255
   bool json = false;
   RenderOptions options;

@@ -133,7 +133,7 @@ void add_grade(CLI::App& app, GradeCommand& grade, int& status) {
            "IMAGE");
   add_number(*sub, "--threshold", grade.threshold, 0.0, 255.0,
              "Exit with status 1 if the root mean square of the differences is above X of 255 "
-             "(default: 2.5)",
+             "(default: 1)",
              "X");
   add_number(*sub, "--tolerance", grade.tolerance, 0, 255,
              "A pixel is wrong if red, green or blue differs by more than N of 255 (default: 8)",

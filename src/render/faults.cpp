@@ -182,6 +182,12 @@ bool change_depth(Imitation& what) {
   return true;
 }
 
+bool eye_rays_only(Imitation& what) {
+  if (what.settings.depth == 1 || !has_rays(what)) return false;
+  what.settings.depth = 1;
+  return true;
+}
+
 bool inverse_index(Imitation& what) {
   return change_materials(what, [](Material& m) {
     if (m.transmission > 0) m.ior = 1 / m.ior;
@@ -392,6 +398,10 @@ constexpr KnownFault kFaults[] = {
      "The eye ray has level 1, not 0; compare the last level with <=.", false, change_depth<1>},
     {"depth-2-less", "two levels of rays less", "Compare the maximum depth with Raio's --depth.",
      false, change_depth<-2>},
+    {"depth-1", "a depth of 1",
+     "Mirrored and refracted rays have a level of their own; they get the background only beyond "
+     "the last level.",
+     false, eye_rays_only},
     {"no-background", "a black background", "Rays that hit nothing get the background, `b`.", false,
      without_background},
     {"black-rays", "black for mirrored and refracted rays that hit nothing",
