@@ -14,12 +14,14 @@ namespace {
 
 using nlohmann::json;
 
-// Every fault has an effect: two lights, glass, mirrors, smooth triangles, background.
+// Every fault has an effect: two lights, a ball beyond one of them, glass, mirrors, smooth
+// triangles, background.
 constexpr std::string_view kRich =
     "b 0.3 0.5 0.9\nv\nfrom 1 -8 2\nat 0.2 0 0.8\nup 0.2 0 1\nangle 36\nhither 0\nresolution 54 "
     "36\n"
     "l 3 -4 5\nl -5 -4 3\n"
     "f 0.7 0.7 0.6 0.9 0 1 0 1\np 4\n-5 -5 0\n5 -5 0\n5 5 0\n-5 5 0\n"
+    "s 4 -5.3 6.7 0.8\n"
     "f 1 0.4 0.1 0.9 0.3 10 0 1\ns -1.2 0 0.7 0.7\nf 1 1 1 0 0.1 50 0.9 1.5\ns 0.6 -1 0.6 0.6\n"
     "f 0.2 0.8 0.3 0.7 0.4 8 0 1\nc 2 0.5 0 0.5 2 0.5 1.6 0.2\n"
     "pp 3\n-3 2 0 -1 -1 0.5\n1 2 0 1 -1 0.5\n-1 1.5 3 0 -1 -1\n"
@@ -49,9 +51,10 @@ TEST(Grade, FindsEachFaultThatItImitates) {
     if (!fault.add(wrong) || wrong.shadows == ShadowRays::speckled) continue;
     const auto picture = imitate(wrong, *reference);
     ASSERT_TRUE(picture) << fault.name;
-    EXPECT_GT(compare(*reference, *picture).rmse, 0.5) << fault.name;
+    EXPECT_GT(compare(*reference, *picture).rmse, 0.2) << fault.name;
     const auto causes = causes_of_difference(right, *reference, *picture);
-    ASSERT_FALSE(causes.empty()) << fault.name;
+    EXPECT_FALSE(causes.empty()) << fault.name;
+    if (causes.empty()) continue;
     EXPECT_TRUE(names(causes[0], fault)) << fault.name << " taken for " << causes[0].fault->name;
     EXPECT_EQ(causes.size(), 1u) << fault.name;
     EXPECT_LT(causes[0].rmse, 0.1) << fault.name;
