@@ -83,7 +83,8 @@ int run_until_signal(const Command& command) {
     return Executor(0, &control).run([&] { return run(command); });
 }
 
-/// The command `raio explain`.
+/// The commands `raio explain` and `raio grade`, which render as the integrator `classic` does.
 void add_explain(CLI::App& app, ExplainCommand& explain, int& status);
+void add_grade(CLI::App& app, GradeCommand& grade, int& status);
 
 }  // namespace raio::core::app

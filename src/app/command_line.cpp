@@ -462,6 +462,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   BenchCommand bench;
   InfoCommand info;
   ExplainCommand explain;
+  GradeCommand grade;
   GenerateCommand generate;
   ExportCommand exporting;
   ConvertCommand convert;
@@ -473,6 +474,7 @@ int parse_and_run(std::vector<std::string> arguments, const Invocation& invocati
   add_bench(app, bench, status);
   add_info(app, info, status);
   add_explain(app, explain, status);
+  add_grade(app, grade, status);
   add_generate(app, generate, status);
   add_export(app, exporting, status);
   add_convert(app, convert, status);

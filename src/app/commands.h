@@ -94,6 +94,19 @@ struct ExplainCommand {
 };
 int run(const ExplainCommand& command);
 
+struct GradeCommand {
+  std::string scene, student;  // the picture to grade
+  std::string reference;       // the right picture; empty: rendered
+  std::string output;          // for the pictures and their difference; empty: none
+  std::string counts;          // numbers of rays that the student's program printed; empty: none
+  double threshold = 1;        // the largest RMSE that passes, of 255
+  int tolerance = 8;           // a pixel is wrong if a channel differs by more, of 255
+  bool json = false;
+  RenderOptions options;
+  ReadOptions read = kForPictures;
+};
+int run(const GradeCommand& command);
+
 struct GenerateCommand {
   std::string name;
   int size = 0;

@@ -20,7 +20,8 @@ std::vector<std::string> file_suffixes(const CLI::Option& option) {
     const std::vector<std::string_view> suffixes = scene_suffixes();
     return {suffixes.begin(), suffixes.end()};
   }
-  if (name == "A" || name == "B") return {"png", "jpg", "jpeg", "exr", "ppm", "pfm"};
+  if (name == "A" || name == "B" || name == "STUDENT")
+    return {"png", "jpg", "jpeg", "exr", "ppm", "pfm"};
   if (name == "IMAGE") return {"png", "exr", "npz", "npy", "ppm", "pfm", "raio"};
   if (name == "PART") return {"raio"};
   if (name == "FILE") return {"*"};

@@ -196,6 +196,13 @@ const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {
   return nullptr;
 }
 
+std::optional<Error> explain_conflict(RenderOptions options, const Scene& scene) {
+  if (options.accel.kind == AccelKind::embree)
+    return bad_option("accel", "Embree does not log its steps; choose none, grid or bvh");
+  options.accel.counters = true;
+  return option_conflict(options, &scene);
+}
+
 RenderSettings explained_settings(RenderOptions options, const Scene& scene) {
   options.accel.counters = true;
   RenderSettings settings = resolve_options(options, scene);
@@ -221,12 +228,8 @@ int run(const ExplainCommand& command) {
   }
   const auto scene = load_scene(command.scene, false, nullptr, command.read);
   if (!scene) return scene.error();
-  RenderOptions options = command.options;
-  if (options.accel.kind == AccelKind::embree)
-    return bad_input("--accel: Embree does not log its steps; choose none, grid or bvh");
-  options.accel.counters = true;
-  if (const auto why = option_conflict(options, &*scene)) return fail(*why);
-  const RenderSettings settings = explained_settings(options, *scene);
+  if (const auto why = explain_conflict(command.options, *scene)) return fail(*why);
+  const RenderSettings settings = explained_settings(command.options, *scene);
   const auto [x, y] = command.pixel;
   if (x >= settings.width || y >= settings.height)
     return bad_input(fmt::format(

@@ -27,6 +27,8 @@ struct Explained {
   std::optional<Camera> plot_camera{};               // or the whole camera; absent: from the side
 };
 
+/// Why rays cannot be explained with these options, or nothing.
+std::optional<Error> explain_conflict(RenderOptions options, const Scene& scene);
 /// The options needed for explained rays: with counters, and a structure that can log. The caller
 /// has refused or replaced Embree.
 RenderSettings explained_settings(RenderOptions options, const Scene& scene);
