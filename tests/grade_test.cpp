@@ -6,7 +6,7 @@
 #include "nff_text.h"
 #include "noise.h"
 #include "program.h"
-#include "render/faults.h"
+#include "measure/faults.h"
 #include "render/render.h"
 
 namespace raio::core {

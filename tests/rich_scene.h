@@ -45,7 +45,7 @@ inline Scene rich_scene(uint32_t seed = 1) {
   s.material_texture.assign(s.materials.size(), kNoTexture);
   s.material_texture[1] = 1;
   s.standard_surfaces.assign(s.materials.size(), {.is_standard = 0});
-  s.standard_surfaces[0] = {.metallic = 0.5f, .emission = {0.25f, 0.5f, 1}, .normal_texture = 0};
+  s.standard_surfaces[0] = {.metallic = 0.5f, .normal_texture = 0};
   s.texels = {0x0000ff, 0x80ff00, 0x20c0a0, 0xffffff, 0x405060, 0x102030};
   s.textures = {{0, 2, 3},
                 {.first = 2,

@@ -13,7 +13,7 @@
 #include "app/output.h"
 #include "app/terminal.h"
 #include "io/file.h"
-#include "render/imitation.h"
+#include "measure/imitation.h"
 #include "render/provenance.h"
 #include "render/render.h"
 

@@ -11,7 +11,7 @@
 
 #include "app/commands.h"
 #include "io/image/image.h"
-#include "render/faults.h"
+#include "measure/faults.h"
 #include "render/regions.h"
 
 namespace raio::core::app {

@@ -219,10 +219,11 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
   const auto refuse = [](std::string_view option, std::string message) {
     return std::unexpected(bad_option(option, std::move(message)));
   };
-  if (settings.integrator == IntegratorKind::ambient)
+  if (lights_from_all_sides(settings.integrator))
     return refuse(
         "integrator",
-        "the rays of `integrator` ambient cannot be explained; give `integrator` classic");
+        fmt::format("the rays of `integrator` {} cannot be explained; give `integrator` classic",
+                    kIntegratorNames[size_t(settings.integrator)]));
   if (accel.geometry().any_transparent())
     return refuse("", "rays through surfaces of an opacity below 1 cannot be explained yet");
   auto out = HWY_NAMESPACE::explain(scene, accel, settings, x, y, sample);

@@ -18,6 +18,11 @@ inline constexpr std::string_view kIntegratorHelp =
     "with the light of a sky and a key light; path, which follows light over many bounces; or "
     "views, which shows what eye rays intersect";
 
+/// Whether the integrator's light comes from all directions, so that few samples are noisy.
+constexpr bool lights_from_all_sides(IntegratorKind kind) {
+  return kind == IntegratorKind::ambient || kind == IntegratorKind::path;
+}
+
 struct RenderSettings;
 struct Scene;
 

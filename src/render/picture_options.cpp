@@ -116,8 +116,8 @@ Background background_of(const RenderOptions& options, const Scene& scene) {
 }
 
 bool sees_environment(const RenderOptions& options, const Scene& scene) {
-  return !options.background && integrator_of(options, scene) != IntegratorKind::classic &&
-         no_light_in(options).empty() && !scene.environment.empty() && scene.environment[0].visible;
+  return !options.background && lights_from_all_sides(integrator_of(options, scene)) &&
+         !scene.environment.empty() && scene.environment[0].visible;
 }
 
 ChannelSet channels_of(const RenderOptions& options) {

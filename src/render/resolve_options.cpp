@@ -184,8 +184,7 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
   if (options.shutter && !scene.moves())
     return bad_option("shutter", "has no effect on a scene without motion; leave it out");
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
-                          s.integrator != IntegratorKind::ambient &&
-                          s.integrator != IntegratorKind::path &&
+                          !lights_from_all_sides(s.integrator) &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
   if (s.samples > 1 && no_effects)
     return bad_option("samples",
@@ -319,7 +318,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
 
   s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
   const bool path = s.integrator == IntegratorKind::path;
-  const bool figure = path || s.integrator == IntegratorKind::ambient;
+  const bool figure = lights_from_all_sides(s.integrator);
   if (o.depth == 0) s.depth = path ? kUsualPathDepth : RenderSettings().depth;
   if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
       o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
@@ -346,8 +345,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   o.accel.opacity = 1;
   if (s.accel.opacity != 1) o.opacity = s.accel.opacity;
   if (s.integrator != integrator_of(o, scene)) o.integrator = s.integrator;
-  if (s.integrator == IntegratorKind::ambient || s.integrator == IntegratorKind::path)
-    set_figure(o, s.figure, scene);
+  if (lights_from_all_sides(s.integrator)) set_figure(o, s.figure, scene);
   // Pictures are written from their settings, without the scene.
   if (s.tone != Tone::none || tone_of(o, scene) != Tone::none) o.tone = s.tone;
   if (const Background own = background_of(o, scene);

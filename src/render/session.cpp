@@ -271,8 +271,7 @@ bool Session::render_scaled(double scale, SessionPicture& next) {
   const auto scaled = [&](int side) { return std::max(1, int(std::lround(side * scale))); };
   settings.width = scaled(settings.width), settings.height = scaled(settings.height);
   settings.preview_scale = float(settings.width) / float(next.settings.width);
-  const bool is_noisy =
-      settings.integrator == IntegratorKind::ambient && settings.view == View::picture;
+  const bool is_noisy = lights_from_all_sides(settings.integrator);
   if (is_noisy)
     for (const Channel c : {Channel::depth, Channel::id}) settings.channels.add(c);
   const BakedScene& baked = *next.baked;

@@ -130,7 +130,7 @@ std::array<int, 2> ViewState::picture_size() const {
 bool ViewState::is_figure() const {
   RenderOptions picture = options;
   picture.view = View::picture;
-  return integrator_of(picture, *scene) == IntegratorKind::ambient;
+  return lights_from_all_sides(integrator_of(picture, *scene));
 }
 
 int ViewState::frame() const {

@@ -50,7 +50,7 @@ std::expected<Thumbnail, std::string> make_thumbnail(const std::string& path) tr
     options.crop = Crop{left, 0, left + kCardWidth, kCardHeight};
   }
   options.samples =
-      integrator_of(options, scene) == IntegratorKind::ambient ? kSamplesOfFigures : kSamples;
+      lights_from_all_sides(integrator_of(options, scene)) ? kSamplesOfFigures : kSamples;
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   if (!accel) return std::unexpected(accel.error().text());

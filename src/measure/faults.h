@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/imitation.h"
+#include "measure/imitation.h"
 
 namespace raio::core {
 

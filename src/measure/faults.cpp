@@ -1,4 +1,4 @@
-#include "render/faults.h"
+#include "measure/faults.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "render/imitation.h"
+#include "measure/imitation.h"
 
 #include <algorithm>
 #include <cmath>
