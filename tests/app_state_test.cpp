@@ -162,7 +162,7 @@ TEST_F(AppStateTest, AHeldControlIsOneStepOfTheHistory) {
   facts.control_held = true;
   for (const double exposure : {1, 2, 3}) {
     event::ControlsUsed used{app.view, {}};
-    used.view.options.exposure = float(exposure);
+    used.view.options.exposure.ev = float(exposure);
     used.did.changed = used.did.dragging = true;
     const auto requests = tell(used);
     ASSERT_TRUE(find<request::Render>(requests));
@@ -173,7 +173,7 @@ TEST_F(AppStateTest, AHeldControlIsOneStepOfTheHistory) {
   facts.control_held = false;
   (void)tick(1);
   (void)press('Z', {.ctrl = true});
-  EXPECT_EQ(app.view.options.exposure, 0);
+  EXPECT_EQ(app.view.options.exposure, Exposure());
 }
 
 TEST_F(AppStateTest, AnotherFileIsANewStartAndANewVersionAStep) {

@@ -500,7 +500,7 @@ TEST_F(Commands, CompareShowsTheLightOfAnExr) {
   RenderCommand render;
   render.scenes = {file("water.xyz", std::string(kWater))};
   render.options.width = render.options.height = 24, render.options.samples = 4;
-  render.options.exposure = -1;
+  render.options.exposure.ev = -1;
   for (const char* name : {"a.png", "a.exr"}) {
     render.output = path(name);
     EXPECT_EQ(run_captured(render), kDone) << err_;

@@ -5,6 +5,7 @@
 #include "one_picture.h"
 #include "render/job.h"
 #include "render/picture.h"
+#include "render/provenance.h"
 #include "scenes.h"
 #include "temporary_folder.h"
 
@@ -166,13 +167,15 @@ TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
   const std::string plain = bytes("plain.png"), pfm = bytes("plain.pfm");
   bytes("plain.exr");
   const Image exr = *read_image(file("plain.exr"));
-  for (const auto& [tone, name] :
-       {std::pair(Tone::none, "none"), {Tone::srgb, "srgb"}, {Tone::agx, "agx"}})
+  for (const auto& [tone, name] : {std::pair(Tone::none, "none"),
+                                   {Tone::srgb, "srgb"},
+                                   {Tone::agx, "agx"},
+                                   {Tone::neutral, "neutral"}})
     for (const char* exposure : {"0", "-1.5", "2"}) {
       options_ = {};
       options_.width = 60, options_.height = 40, options_.aa = 2;
       set(options_, "tone", name), set(options_, "exposure", exposure);
-      const ToneMap map(tone, options_.exposure);
+      const ToneMap map(tone, options_.exposure.ev);
       const std::string once = bytes("a.png");
       bytes("a.ppm");
       const Image png = *read_image(file("a.png")), ppm = *read_image(file("a.ppm"));
@@ -182,13 +185,29 @@ TEST_F(Look, ToneAndExposureMakeTheBytesOfDisplays) {
           ASSERT_EQ(png.pixels[i][c], ppm.pixels[i][c]);
         }
       EXPECT_TRUE(repeated("a.png", "b.png") == once);
-      EXPECT_EQ(once == plain, tone == Tone::none && options_.exposure == 0);
+      EXPECT_EQ(once == plain, tone == Tone::none && options_.exposure == Exposure());
       // Numbers are unchanged, with their display settings.
       EXPECT_TRUE(bytes("a.pfm") == pfm);
       bytes("a.exr");
       EXPECT_TRUE(same_bytes(*read_image(file("a.exr")), exr));
       EXPECT_TRUE(repeated("a.exr", "c.png") == once);
     }
+}
+
+// EXR keeps light, for which the exposure is found again.
+TEST_F(Look, AutomaticExposureIsThatOfTheNumber) {
+  options_ = {};
+  options_.width = 60, options_.height = 40, options_.aa = 2;
+  set(options_, "tone", "srgb"), set(options_, "exposure", "auto");
+  const std::string automatic = bytes("a.png");
+  const auto settings = *read_metadata(file("a.png"));
+  EXPECT_EQ(setting(settings, "exposure"), "auto");
+  bytes("a.exr");
+  EXPECT_TRUE(repeated("a.exr", "c.png") == automatic);
+  set(options_, "exposure", setting(settings, "exposure_ev"));
+  bytes("b.png");
+  EXPECT_TRUE(same_bytes(*read_image(file("a.png")), *read_image(file("b.png"))));
+  EXPECT_FALSE(set_option(options_, option_of("exposure"), "bright"));
 }
 
 TEST_F(Look, PartsKeepTheirTone) {

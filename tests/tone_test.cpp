@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "base/executor.h"
 #include "integrate/color_text.h"
 #include "io/image/image.h"
 
@@ -55,7 +57,7 @@ TEST(Tone, NoneLeavesEveryBit) {
 }
 
 TEST(Tone, ExposureCountsInStops) {
-  for (const Tone tone : {Tone::srgb, Tone::agx})
+  for (const Tone tone : {Tone::srgb, Tone::agx, Tone::neutral})
     EXPECT_EQ(ToneMap(tone, 2)(Rgb(0.05f, 0.1f, 0.2f)), ToneMap(tone, 0)(Rgb(0.2f, 0.4f, 0.8f)));
 }
 
@@ -90,6 +92,64 @@ TEST(Tone, AgxCompressesHighlights) {
   // Differences far above white remain, and a pure colour fades to white.
   EXPECT_GT(to_byte(agx(Rgb(8)).x), to_byte(agx(Rgb(4)).x));
   EXPECT_GT(agx(Rgb(1000, 0, 0)).y, 0.5f);
+}
+
+// The linear colour that a display shows.
+Rgb shown(Rgb encoded) {
+  return {linear_from_srgb(encoded.x), linear_from_srgb(encoded.y), linear_from_srgb(encoded.z)};
+}
+
+TEST(Tone, NeutralKeepsColoursBelowItsStart) {
+  const ToneMap neutral(Tone::neutral, 0);
+  // The curve subtracts the 0.04 that dielectrics reflect; less from darker colours.
+  for (const Rgb color : {Rgb(0.1f, 0.3f, 0.79f), Rgb(0.5f), Rgb(0.08f, 0.2f, 0.1f)})
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(shown(neutral(color))[c], color[c] - 0.04f, 1e-6f);
+  EXPECT_NEAR(shown(neutral(Rgb(0.04f))).x, 6.25f * 0.04f * 0.04f, 1e-7f);
+  EXPECT_EQ(neutral(Rgb()), Rgb());
+  EXPECT_EQ(neutral(Rgb(-1)), Rgb());
+  EXPECT_EQ(neutral(Rgb(std::nanf(""))), Rgb());
+}
+
+// The formulas of the specification, in extended precision by another program.
+TEST(Tone, NeutralCompressesHighlightsWithTheirHue) {
+  const ToneMap neutral(Tone::neutral, 0);
+  // Grey 1.04 becomes 1 - 0.24^2 / (1 + 0.24 - 0.76).
+  EXPECT_NEAR(shown(neutral(Rgb(1.04f))).x, 0.88f, 1e-6f);
+  const Rgb red = shown(neutral(Rgb(4, 0.5f, 0.25f)));
+  EXPECT_NEAR(red.x, 0.983256f, 1e-5f);
+  EXPECT_NEAR(red.y, 0.382473f, 1e-5f);
+  EXPECT_NEAR(red.z, 0.339560f, 1e-5f);
+  EXPECT_EQ(neutral(Rgb(kInfinity)), Rgb(1));
+  float before = -1;
+  for (double stops = -14; stops <= 20; stops += 0.125) {
+    const float grey = neutral(Rgb(float(std::exp2(stops)))).x;
+    EXPECT_GT(grey, before - 1e-7f) << stops;
+    EXPECT_LE(grey, 1);
+    before = grey;
+  }
+}
+
+TEST(Tone, AutomaticExposureMapsTheMeanToGrey) {
+  // The geometric mean of 0.045 and 0.72 is 0.18, so of these it is a quarter of that.
+  std::vector<Rgb> colors = {Rgb(0.045f / 4), Rgb(0.72f / 4)};
+  EXPECT_NEAR(exposure_of(colors, {}), 2, 1e-6);
+  // Black, NaN and infinity do not count.
+  for (const float other : {0.0f, kInfinity, std::nanf("")}) colors.emplace_back(other);
+  EXPECT_NEAR(exposure_of(colors, {}), 2, 1e-6);
+  // Of pixels that are covered in part, the covered part counts.
+  EXPECT_NEAR(exposure_of(std::vector{Rgb(0.045f / 4), Rgb(0.72f / 8)}, std::vector{0.5f, 0.5f}),
+              exposure_of(std::vector{Rgb(0.045f / 2), Rgb(0.72f / 4)}, {}), 1e-6);
+  EXPECT_EQ(exposure_of({}, {}), 0);
+  EXPECT_EQ(exposure_of(std::vector{Rgb(1e-36f)}, {}), 100);
+  // As luminance: green counts most.
+  EXPECT_NEAR(exposure_of(std::vector{Rgb(0, 0.18f / 0.7152f, 0)}, {}), 0, 1e-6);
+}
+
+TEST(Tone, AutomaticExposureDoesNotDependOnThreads) {
+  std::vector<Rgb> colors;
+  for (int i = 0; i < 100'000; ++i) colors.emplace_back(float(i % 977) * 1e-3f);
+  const float one = Executor(1).run([&] { return exposure_of(colors, {}); });
+  EXPECT_EQ(Executor(3).run([&] { return exposure_of(colors, {}); }), one);
 }
 
 TEST(WrittenColor, ComesInFourForms) {

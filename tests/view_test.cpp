@@ -65,7 +65,7 @@ TEST(ViewState, EveryStateIsACommandLine) {
   state.scale_aperture(1.21f);
   state.options.light_size = 0.3f, state.options.accel.grid_factor = 1.5f;
   state.options.background = parse_color("#ff8000").value();
-  state.options.exposure = -1.5f, state.options.tone = Tone::agx;
+  state.options.exposure.ev = -1.5f, state.options.tone = Tone::agx;
   for (unsigned i = 0; i < 4096; ++i) {
     ViewState s = state;
     for (unsigned effect = 0; effect < 9; ++effect)

@@ -21,9 +21,11 @@ TYPES = {
 
 
 def type_of(option):
+    words = "Literal[" + ", ".join(f'"{word}"' for word in option["words"]) + "]"
+    if option["type"] == "number" and option["words"]:
+        return "float | " + words
     if option["type"] != "words":
         return TYPES[option["type"]]
-    words = "Literal[" + ", ".join(f'"{word}"' for word in option["words"]) + "]"
     return words + " | bool" if "on" in option["words"] else words
 
 

@@ -1,5 +1,6 @@
 """Films, which hold samples, and images, which are finished."""
 
+import importlib.util
 import os
 import threading
 from collections.abc import Iterable
@@ -14,6 +15,19 @@ if TYPE_CHECKING:
     from ._scene import Scene
 
 Path = str | os.PathLike[str]
+
+
+def _find_oidn() -> None:
+    """Lets the option `denoise` find Open Image Denoise in the package pyoidn."""
+    package = importlib.util.find_spec("pyoidn")
+    if package is None or package.origin is None or "RAIO_OIDN" in os.environ:
+        return
+    library = os.path.join(os.path.dirname(package.origin), "oidn", "lib", "libOpenImageDenoise.so.2")
+    if os.path.exists(library):
+        os.environ["RAIO_OIDN"] = library
+
+
+_find_oidn()
 
 
 class Image:

@@ -90,10 +90,14 @@ class RenderOptions(AnnotationOptions, total=False):
         background: Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; or
             transparent, which stores alpha; or a folder with the six pictures of a sky: right, left, top,
             bottom, front and back as .jpg or .png (default: the scene's; for figures the look's)
-        exposure: Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep the
-            computed values (default: 0)
-        tone: Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays, agx also
-            compresses highlights (default: none; srgb for figures)
+        exposure: Multiply the colours of .png and .ppm by 2 to the power of EV; auto chooses it from the
+            picture, so that the mean brightness becomes middle grey; other formats keep the computed
+            values (default: 0)
+        tone: Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays; agx and neutral
+            also compress highlights (default: none; srgb for figures)
+        denoise: Filter the noise of few samples out of pictures: raio, with the same bytes on every
+            machine; oidn, Open Image Denoise; or auto, oidn where it is installed, else raio; part files
+            keep the samples (default: none)
         accel: Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the
             scene's, else bvh (default: auto)
         grid_factor: Resolution of the uniform grid: M times the cube root of the number of primitives, in
@@ -180,8 +184,9 @@ class RenderOptions(AnnotationOptions, total=False):
     ] | None
     channels: str | Sequence[str] | Sequence[float] | None
     background: str | npt.ArrayLike | None
-    exposure: float | None
-    tone: Literal["none", "srgb", "agx"] | None
+    exposure: float | Literal["auto"] | None
+    tone: Literal["none", "srgb", "agx", "neutral"] | None
+    denoise: Literal["none", "auto", "oidn", "raio"] | None
     accel: Literal["auto", "none", "grid", "bvh", "embree"] | None
     grid_factor: float | None
     grid_resolution: str | Sequence[str] | Sequence[float] | None

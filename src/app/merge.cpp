@@ -27,9 +27,11 @@ int run(const MergeCommand& command) {
     if (!next) return std::unexpected(std::move(next.error()));
     part.part = std::move(*next);
     shards = std::max(shards, part.part.header.shards);
-    if (i == 0)
-      if (const auto why = output_problem(output, part.part.film->layout().channels()))
-        return std::unexpected(*why);
+    if (i == 0) {
+      const auto channels = channels_of(part.part);
+      if (!channels) return std::unexpected(channels.error());
+      if (const auto why = output_problem(output, *channels)) return std::unexpected(*why);
+    }
     return &part;
   };
   const size_t count = command.parts.size();
@@ -41,7 +43,10 @@ int run(const MergeCommand& command) {
                      "; add the parts that have them, finish parts with --checkpoint and --resume, "
                      "or merge to a part (-o NAME.raio)");
 
-  if (const auto written = write_result(output, *merged); !written) return fail(written.error());
+  const auto notes = write_result(output, *merged);
+  if (!notes) return fail(notes.error());
+  if (!command.quiet)
+    for (const std::string& note : *notes) print_line("raio: " + note);
   const auto options = options_from(merged->header.settings, false);
   if (const auto why = nan_warning(*merged->film, options ? options->crop : std::nullopt))
     print_line("raio: warning: " + *why);

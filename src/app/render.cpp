@@ -87,6 +87,8 @@ int check_stats(const RenderCommand& command, const std::string& output) {
 // Writes the picture or part, the statistics, and the summary line; returns the exit status.
 int write_results(RenderJob& job, const RenderCommand& command, const std::string& output) {
   if (const auto written = job.write(); !written) return fail(written.error());
+  if (!command.quiet)
+    for (const std::string& note : job.notes()) print_line("raio: " + note);
   const RenderFigures figures = job.figures();
   if (!command.stats.empty())
     if (const int status = deliver(command.stats, json_text(statistics(figures)))) return status;

@@ -8,6 +8,7 @@
 
 #include "accel/accel.h"
 #include "integrate/channels.h"
+#include "integrate/denoise.h"
 #include "integrate/figure.h"
 #include "integrate/integrators.h"
 #include "integrate/tone.h"
@@ -52,7 +53,8 @@ struct PlainOptions {
   AccelOptions accel;
   View view = View::picture;
   ChannelSet channels;
-  float exposure = 0;  // of display formats, in stops
+  Exposure exposure;  // of display formats
+  Denoiser denoise = Denoiser::none;
 
   int width = 0, height = 0;      // of the whole picture, pixels
   float dpi = 0;                  // of the printed picture; 0: no print size
@@ -77,6 +79,14 @@ struct PlainOptions {
 
   /// If resolved.
   int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+
+  /// The channels of the film: those of the picture, and what the denoiser needs.
+  ChannelSet film_channels() const {
+    ChannelSet all = channels;
+    if (denoise != Denoiser::none)
+      for (const Channel channel : kGuideChannels) all.add(channel);
+    return all;
+  }
 
   friend bool operator==(const PlainOptions&, const PlainOptions&) = default;
 };

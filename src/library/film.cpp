@@ -74,12 +74,13 @@ Overlay overlay_of(const Annotations& wanted) {
 }
 
 // The picture with what a file of this name can hold.
-Picture picture_for(const Film::Data& film, const std::string& name) {
-  auto picture = finished_picture(film.part, name, overlay_of(film.annotations));
-  if (!picture) fail(picture.error());
+FinishedPicture picture_for(const Film::Data& film, const std::string& name) {
+  auto finished = finished_picture(film.part, name, overlay_of(film.annotations));
+  if (!finished) fail(finished.error());
   const auto format = image_format(name);
-  if (format && *format != ImageFormat::exr && *format != ImageFormat::npz) picture->layers.clear();
-  return *std::move(picture);
+  if (format && *format != ImageFormat::exr && *format != ImageFormat::npz)
+    finished->picture.layers.clear();
+  return *std::move(finished);
 }
 
 }  // namespace
@@ -104,9 +105,12 @@ void Film::write(const std::string& path) const {
     if (!is_part_path(path) && setting(part.header.settings, "samples_done").empty())
       if (const std::string lacks = missing(); !lacks.empty())
         refuse(lacks + "; merge films that have them, continue the film, or write a part (.raio)");
-    const auto done = is_part_path(path)
-                          ? write_part(path, part.header, *part.film)
-                          : write_image(picture_for(*data_, path), path, part.header.settings);
+    const auto write_finished = [&] {
+      const FinishedPicture finished = picture_for(*data_, path);
+      return write_image(finished.picture, path, finished.settings);
+    };
+    const auto done =
+        is_part_path(path) ? write_part(path, part.header, *part.film) : write_finished();
     if (!done) fail(done.error());
   });
 }
@@ -230,11 +234,9 @@ int Film::height() const { return data_->part.film->height(); }
 
 std::vector<float> Film::rgba() const {
   return guarded_work(data_->threads, [&] {
-    const core::Film& film = *data_->part.film;
-    const Image image = picture_of(film, options_of(data_->part).view);
-    core::Column<float> alpha;
-    if (film.layout().has(Channel::alpha))
-      alpha = std::get<core::Column<float>>(film.resolve(Channel::alpha));
+    const auto finished = finished_picture(data_->part, "picture.npy");
+    if (!finished) fail(finished.error());
+    const auto& [image, alpha, layers, dpi] = finished->picture;
     std::vector<float> out;
     out.reserve(4 * image.pixels.size());
     for (size_t i = 0; i < image.pixels.size(); ++i) {
@@ -247,10 +249,10 @@ std::vector<float> Film::rgba() const {
 
 std::vector<uint8_t> Film::display() const {
   return guarded_work(data_->threads, [&] {
-    const auto picture =
+    const auto finished =
         finished_picture(data_->part, "picture.png", overlay_of(data_->annotations));
-    if (!picture) fail(picture.error());
-    const auto& [color, alpha, layers, dpi] = *picture;
+    if (!finished) fail(finished.error());
+    const auto& [color, alpha, layers, dpi] = finished->picture;
     std::vector<uint8_t> out(4 * color.pixels.size());
     for_each_index(color.pixels.size(), [&](size_t i) {
       const float covered = alpha.empty() ? 1 : alpha[i];
@@ -270,17 +272,21 @@ std::string drawing_problem() {
 std::string Film::encode(std::string_view format) const {
   return guarded_work(data_->threads, [&] {
     const std::string name = "picture" + std::string(format);
-    auto bytes = encode_image(picture_for(*data_, name), name, data_->part.header.settings);
+    const FinishedPicture finished = picture_for(*data_, name);
+    auto bytes = encode_image(finished.picture, name, finished.settings);
     if (!bytes) fail(bytes.error());
     return *std::move(bytes);
   });
 }
 
 std::vector<std::string> Film::channels() const {
-  std::vector<std::string> names;
-  for (const ChannelSpec& spec : kChannels)
-    if (data_->part.film->layout().has(spec.channel)) names.emplace_back(spec.name);
-  return names;
+  return guarded([&] {
+    const ChannelSet channels = options_of(data_->part).channels;
+    std::vector<std::string> names;
+    for (const ChannelSpec& spec : kChannels)
+      if (channels.has(spec.channel)) names.emplace_back(spec.name);
+    return names;
+  });
 }
 
 namespace {

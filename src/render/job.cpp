@@ -62,6 +62,8 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
   if (!start) return std::unexpected(std::move(start.error()));
   request_ = start->request;
   samples_ = start->samples;
+  if (auto why = denoiser_problem(request_.options.denoise))
+    return std::unexpected(std::move(*why));
   if (auto why = check_output())
     return std::unexpected(std::move(*why));  // which the start determined
   if (auto loaded = load(); !loaded) return loaded;
@@ -71,8 +73,8 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
   const Crop frame = settings_.frame();
-  if (auto why =
-          picture_problem(frame.width(), frame.height(), settings_.channels, request_.shards))
+  if (auto why = picture_problem(frame.width(), frame.height(), settings_.film_channels(),
+                                 request_.shards))
     return std::unexpected(std::move(*why));
   if (const uint32_t samples = samples_ > 0 ? samples_ : uint32_t(settings_.samples_per_pixel());
       request_.sample_range.end > samples)
@@ -215,7 +217,9 @@ std::expected<void, Error> RenderJob::write() {
     return run_to_the_end([&] { return write_result(request_.output, part_, request_.overlay); });
   });
   times_.write = seconds() - start;
-  return written;
+  if (!written) return std::unexpected(std::move(written.error()));
+  notes_ = *std::move(written);
+  return {};
 }
 
 RenderFigures RenderJob::figures() const {

@@ -108,8 +108,11 @@ class RenderJob {
   /// Whether the checkpoint, if any, was written at the end of run().
   const std::expected<void, Error>& kept() const { return kept_; }
 
-  /// Writes the output, if any.
+  /// Writes the output, if any. The notes of write_result() are then in notes().
   std::expected<void, Error> write();
+
+  /// After write(): sentences about what was chosen for the picture.
+  const std::vector<std::string>& notes() const { return notes_; }
 
   /// After prepare(), and after build().
   const Scene& scene() const { return *scene_; }
@@ -149,6 +152,7 @@ class RenderJob {
   RenderFigures::Times times_;
   double prepare_s_ = 0;
   std::expected<void, Error> kept_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace raio::core

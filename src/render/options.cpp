@@ -19,7 +19,9 @@ constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid",
 constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
 constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
-constexpr std::array<std::string_view, 3> kToneNames = {"none", "srgb", "agx"};
+constexpr std::array<std::string_view, 4> kToneNames = {"none", "srgb", "agx", "neutral"};
+constexpr std::array<std::string_view, 4> kDenoiserNames = {"none", "auto", "oidn", "raio"};
+constexpr std::array<std::string_view, 1> kExposureNames = {"auto"};
 constexpr std::array<std::string_view, 3> kShadingNames = {"nff", "phong", "blinn-phong"};
 constexpr std::array<std::string_view, 3> kProjectionNames = {"perspective", "orthographic",
                                                               "omnidirectional"};
@@ -158,6 +160,19 @@ Set set_up(Options& o, const OptionSpec& spec, std::string_view text) {
   return {};
 }
 
+constexpr auto kEv = kMember<Options, &Options::exposure, &Exposure::ev>;
+
+Set set_exposure(Options& o, const OptionSpec& spec, std::string_view text) {
+  if (text == kExposureNames[0]) return o.exposure = {.automatic = true}, Set();
+  if (!kEv.set(o, spec, text)) return expected_but("a number from -100 to 100 EV, or auto", text);
+  o.exposure.automatic = false;
+  return {};
+}
+
+std::string exposure_text(const Options& o, const OptionSpec& spec) {
+  return o.exposure.automatic ? std::string(kExposureNames[0]) : kEv.text(o, spec);
+}
+
 template <auto... path>
 constexpr OptionValue<Options> kValue = kMember<Options, path...>;
 
@@ -242,14 +257,22 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            OptionValue<Options>{OptionType::color, set_background, background_text},
            usual("the scene's; for figures the look's")),
     option(output, "exposure", "EV",
-           "Multiply the colours of .png and .ppm by 2 to the power of EV; other formats keep "
-           "the computed values",
-           kValue<&Options::exposure>, usual("0"), range(-100, 100, "EV"), kOfLight),
+           "Multiply the colours of .png and .ppm by 2 to the power of EV; auto chooses it from "
+           "the picture, so that the mean brightness becomes middle grey; other formats keep the "
+           "computed values",
+           OptionValue<Options>{OptionType::number, set_exposure, exposure_text,
+                                [](Options& o) { o.exposure = {}; }},
+           usual("0"), range(-100, 100, "EV"), one_of(kExposureNames), kOfLight),
     option(output, "tone", "NAME",
-           "Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays, agx "
-           "also compresses highlights",
+           "Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays; agx and "
+           "neutral also compress highlights",
            kValue<&Options::tone>, usual("none; srgb for figures and paths"), one_of(kToneNames),
            kOfLight),
+    option(output, "denoise", "NAME",
+           "Filter the noise of few samples out of pictures: raio, with the same bytes on every "
+           "machine; oidn, Open Image Denoise; or auto, oidn where it is installed, else raio; "
+           "part files keep the samples",
+           kValue<&Options::denoise>, one_of(kDenoiserNames), kOfLight, kNotOfWindow),
     option(diagnostics, "accel", "NAME",
            "Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the "
            "scene's, else bvh",

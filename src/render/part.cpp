@@ -301,11 +301,11 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   // Each tile takes at least four bytes, so a short file cannot request the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("the file is truncated");
-  if (auto why = picture_problem(int(width), int(height), options->channels, header.shards))
+  if (auto why = picture_problem(int(width), int(height), options->film_channels(), header.shards))
     return std::unexpected(std::move(*why));
 
   part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side),
-                                     options->channels, header.shards > 1);
+                                     options->film_channels(), header.shards > 1);
   // A part may have few of many tiles.
   std::vector<std::pair<size_t, std::string_view>> texts;
   for (size_t t = 0; t < tiles; ++t)

@@ -43,8 +43,9 @@ std::optional<Error> look_conflict(const RenderOptions& options) {
     return bad_option(option,
                       fmt::format("has no effect with {}{}; leave one of them out", instead, but));
   };
-  if (options.exposure != 0) return without_effect("exposure", "");
+  if (options.exposure != Exposure()) return without_effect("exposure", "");
   if (options.tone && *options.tone != Tone::none) return without_effect("tone", "");
+  if (options.denoise != Denoiser::none) return without_effect("denoise", "");
   if (options.background && !options.background->transparent)
     return without_effect("background", ", but transparent has");
   return std::nullopt;
@@ -135,6 +136,9 @@ std::optional<Error> window_conflict(const RenderOptions& options) {
   if (options.print || options.dpi > 0)
     return bad_option(options.print ? "width" : "dpi",
                       "the window has no printed size; leave it out, or render to a file");
+  if (options.denoise != Denoiser::none)
+    return bad_option("denoise",
+                      "the window refines its pictures instead; leave it out, or render to a file");
   if (options.crop)
     return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
   if (options.projection == Projection::omnidirectional)

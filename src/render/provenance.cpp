@@ -35,8 +35,9 @@ void add_settings(std::span<const OptionEntry<Options>> table, const Options& op
 }
 
 // Settings that are not options.
-constexpr std::array<std::string_view, 6> kNoOptions = {"version", "scene",    "scene_hash",
-                                                        "sky",     "sky_hash", "samples_done"};
+constexpr std::array<std::string_view, 8> kNoOptions = {"version",     "scene",      "scene_hash",
+                                                        "sky",         "sky_hash",   "samples_done",
+                                                        "denoised_by", "exposure_ev"};
 
 }  // namespace
 

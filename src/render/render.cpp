@@ -51,7 +51,7 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings,
                                                       uint32_t shards) {
   const int width = settings.frame().width(), height = settings.frame().height();
-  if (auto why = picture_problem(width, height, settings.channels, shards))
+  if (auto why = picture_problem(width, height, settings.film_channels(), shards))
     return std::unexpected(std::move(*why));
   // Large tiles fill more batches with rays of later levels, as long as there are enough tiles for
   // all threads.
@@ -59,7 +59,8 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
   const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
   return std::make_unique<Film>(width, height, sample_bound(scene, settings),
-                                large ? kMaxTileSide : kTileSide, settings.channels, shards > 1);
+                                large ? kMaxTileSide : kTileSide, settings.film_channels(),
+                                shards > 1);
 }
 
 namespace {

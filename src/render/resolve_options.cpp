@@ -186,6 +186,10 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
   const bool no_effects = !s.dof && !s.soft_shadows && s.aa == 1 && !is_rough(scene, s) &&
                           !lights_from_all_sides(s.integrator) &&
                           !(scene.moves() && s.shutter_open < s.shutter_close);
+  if (s.denoise != Denoiser::none && s.samples_per_pixel() < 2)
+    return bad_option("denoise",
+                      "learns the noise from the spread of a pixel's samples, so it needs at least "
+                      "two; add `samples` or `aa`, or leave it out");
   if (s.samples > 1 && no_effects)
     return bad_option("samples",
                       "has no effect with only `aa` 1; add `dof`, `soft-shadows` or `gloss`, or "

@@ -14,7 +14,7 @@ bool Side::has_picture() const {
 }
 
 void Side::show(const Image& image, const RenderSettings& settings, const Overlay& overlay) {
-  const bool is_plain = settings.tone == Tone::none && settings.exposure == 0;
+  const bool is_plain = settings.tone == Tone::none && settings.exposure == Exposure();
   if (is_plain && !overlay) return texture.set(image);
   Picture shown{image, {}, {}};
   tone_map(shown.color, {}, settings.tone, settings.exposure);

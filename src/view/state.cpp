@@ -312,7 +312,7 @@ RenderOptions ViewState::request(int width, int height, int samples) const {
   if (o.accel.kind == AccelKind::embree && (o.view == View::steps || o.view == View::tests))
     o.accel.kind = AccelKind::bvh;
   if (o.view != View::picture || o.integrator == IntegratorKind::views)
-    o.background = {}, o.tone = {}, o.exposure = 0;
+    o.background = {}, o.tone = {}, o.exposure = {};
 
   const bool varies = dof || o.soft_shadows || o.aa != 1 ||
                       is_rough(*scene, resolve_options(o, *scene)) || is_on(Command::motion);
