@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures pictures with `--noise`: the true error against a reference, and the time against `--samples`.
 
-    bench/noise.py [--raio PROGRAM] [--size N] [--reference N] [--keep FOLDER]
+    bench/noise.py [--raio PROGRAM] [--size N] [--reference N] [--only NAME]
 
 For each picture: the reference; pictures with 16, 32, ... samples per pixel; pictures with `--noise`. The relative error
 of a pixel is that of docs/adaptive.md. Of blocks of 8 x 8 pixels, the table shows the root mean square of their pixels: of
