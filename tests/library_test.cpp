@@ -374,7 +374,7 @@ TEST(LibrarySettings, OptionsHaveTypeRangeAndDefault) {
   EXPECT_EQ(fov.integrators.size(), 3u);
   EXPECT_EQ(all.at("depth").default_value, "5");
   EXPECT_EQ(all.at("depth").integrators, std::vector<std::string>{"classic"});
-  EXPECT_EQ(all.at("samples").excludes, std::vector<std::string>{"lens-samples"});
+  EXPECT_EQ(all.at("samples").excludes, (std::vector<std::string>{"lens-samples", "noise"}));
   EXPECT_EQ(all.at("tone").type, "words");
   EXPECT_FALSE(all.at("tone").minimum);
   // Every default is accepted.

@@ -239,7 +239,7 @@ TEST_F(OptionsCommand, PrintsTheTables) {
   EXPECT_EQ(by_name["one-sided"]["default_value"], false);
   EXPECT_EQ(by_name["one-sided"]["type"], "switch");
   EXPECT_EQ(by_name["key-light"]["words"], nlohmann::json({"off", "on", "scene"}));
-  EXPECT_EQ(by_name["samples"]["excludes"], nlohmann::json::array({"lens-samples"}));
+  EXPECT_EQ(by_name["samples"]["excludes"], nlohmann::json::array({"lens-samples", "noise"}));
   EXPECT_EQ(by_name["threads"]["affects_picture"], false);
   EXPECT_EQ(by_name["frame"]["of"], "reading");
   EXPECT_EQ(by_name["images"]["default_value"], "1,1,1");

@@ -117,6 +117,10 @@ class RenderOptions(AnnotationOptions, total=False):
         lens_samples: Rays per cell of a pixel, stratified over the lens and the lights (default: 1)
         samples: N samples per pixel over its whole area (through its centre with aa 1); implies sampler
             sobol, replaces aa and lens_samples
+        noise: Give each tile of 16 x 16 pixels as many samples as it needs for a standard error below E
+            times its brightness, as in 0.02; implies sampler sobol, replaces samples
+        min_samples: The fewest samples per pixel with noise (default: 16)
+        max_samples: The most samples per pixel with noise (default: 4096)
         sampler: Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol
             sequence, well distributed after any number of samples (default: jitter; sobol with samples)
         depth: Maximum ray depth, with integrator classic; the eye ray is level 1 (default: 5)
@@ -198,6 +202,9 @@ class RenderOptions(AnnotationOptions, total=False):
     focus: float | None
     lens_samples: int | None
     samples: int | None
+    noise: float | None
+    min_samples: int | None
+    max_samples: int | None
     sampler: Literal["jitter", "sobol"] | None
     depth: int | None
     no_reflection: bool | None

@@ -390,7 +390,7 @@ class Scene(Strict):
 
     def start(self, **options: Unpack[RenderOptions]) -> Film:
         """A picture to be refined with Film.add(); options as for render(), without `samples`."""
-        for name in ("samples", "aa", "lens_samples", "sample_range"):
+        for name in ("samples", "noise", "aa", "lens_samples", "sample_range"):
             if name in options:
                 raise TypeError(f"{name} is not for start(): Film.add() takes the samples, and "
                                 "render() makes parts with sample_range")

@@ -205,6 +205,7 @@ def _own(options: dict[str, Any]) -> tuple[str, float, bool]:
     """Removes and returns the options of this process: checkpoint, its interval, resume."""
     for name, why in (("threads", "the workers have as many threads as the cluster gave them"),
                       ("shard", "workers share the whole picture"), ("sample_range", "workers share all samples"),
+                      ("noise", "workers share the samples of all pixels; use Scene.render() with shard"),
                       ("time_limit", "use Scene.render()")):
         if options.pop(name, None) is not None:
             raise TypeError(f"{name} is not for raio.distribute: {why}")

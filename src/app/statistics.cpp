@@ -18,7 +18,8 @@ double rays_per_s(const RenderFigures& made) {
 }  // namespace
 
 Json statistics(const RenderFigures& made) {
-  const auto& [scene, o, accel, times, rays, rays_before, samples, nans] = made;
+  const auto& [scene, o, accel, times, rays, rays_before, samples, mean_samples, share_at_most,
+               nans] = made;
   Json primitives;
   const auto counts = count_primitives(*scene);
   for (size_t i = 0; i < counts.size(); ++i)
@@ -29,6 +30,10 @@ Json statistics(const RenderFigures& made) {
       {"resolution", {o.width, o.height}},
       {"crop", o.crop ? Json{o.crop->x0, o.crop->y0, o.crop->x1, o.crop->y1} : Json(nullptr)},
       {"samples_per_pixel", samples},
+      {"noise", o.noise > 0 ? Json{{"bound", o.noise},
+                                   {"mean_samples", mean_samples},
+                                   {"share_at_max_samples", share_at_most}}
+                            : Json(nullptr)},
       {"seed", o.seed},
       {"threads", o.threads},
       {"depth", o.depth},
@@ -75,20 +80,22 @@ std::string summary(const std::string& output, const RenderFigures& made) {
   const RenderSettings& o = made.settings;
   const RenderFigures::Times& times = made.times;
   const auto wanted = uint32_t(o.samples_per_pixel());
-  const std::string samples = made.samples == wanted
-                                  ? fmt::format("{}", wanted)
-                                  : fmt::format("{} of {}", made.samples, wanted);
+  std::string samples = fmt::format("{}{} {} per pixel", made.samples,
+                                    made.samples == wanted ? "" : fmt::format(" of {}", wanted),
+                                    wanted == 1 ? "sample" : "samples");
+  if (o.noise > 0)
+    samples = fmt::format("{:.1f} samples per pixel on average, {:.1f} % with the maximum of {}",
+                          made.mean_samples, 100 * made.share_at_most, wanted);
   const bool as_hinted =
       made.scene->requests.structure != AccelHint::any && o.accel.kind == hinted_accel(*made.scene);
   const std::string wish = as_hinted ? " as the scene requests" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
-  return fmt::format(
-      "{}: {}x{}{}, {} {} per pixel, {}: load {}, build {}, render {} ({}rays/s), write {}",
-      is_standard_output(output) ? "picture" : output, frame.width(), frame.height(), whole,
-      samples, wanted == 1 ? "sample" : "samples", made.accel.name + wish,
-      human_seconds(times.load), human_seconds(times.build), human_seconds(times.render),
-      human_count(rays_per_s(made)), human_seconds(times.write));
+  return fmt::format("{}: {}x{}{}, {}, {}: load {}, build {}, render {} ({}rays/s), write {}",
+                     is_standard_output(output) ? "picture" : output, frame.width(), frame.height(),
+                     whole, samples, made.accel.name + wish, human_seconds(times.load),
+                     human_seconds(times.build), human_seconds(times.render),
+                     human_count(rays_per_s(made)), human_seconds(times.write));
 }
 
 }  // namespace raio::core::app

@@ -37,7 +37,8 @@ double scale_for(double bound) {
 
 }  // namespace
 
-Film::Film(int width, int height, double bound, int tile_side, ChannelSet channels, bool is_sparse)
+Film::Film(int width, int height, double bound, int tile_side, ChannelSet channels, bool is_sparse,
+           SampleRounds rounds)
     : width_(width),
       height_(height),
       tile_side_(tile_side),
@@ -45,8 +46,10 @@ Film::Film(int width, int height, double bound, int tile_side, ChannelSet channe
       bound_(std::clamp(bound, kMinBound, kMaxBound)),
       scale_(scale_for(bound_)),
       layout_(channels),
+      rounds_(rounds),
       states_(size_t(columns_) * size_t((height + tile_side - 1) / tile_side)),
       sums_(tiles(), tile_sums(), is_sparse),
+      last_round_(tiles(), rounds.first > 0 ? tile_sums() : 0, is_sparse),
       means_(tiles(), size_t(layout_.means()) * tile_sums(), is_sparse),
       squares_(tiles(), size_t(layout_.squares()) * tile_sums(), is_sparse),
       firsts_(tiles(), size_t(layout_.firsts()) * tile_sums(), is_sparse) {}
@@ -90,7 +93,16 @@ Film::Sums Film::begin(size_t tile) {
 }
 
 void Film::clear(size_t tile) {
-  sums_.clear(tile), means_.clear(tile), squares_.clear(tile), firsts_.clear(tile);
+  sums_.clear(tile), last_round_.clear(tile);
+  means_.clear(tile), squares_.clear(tile), firsts_.clear(tile);
+}
+
+bool Film::continues_last_round(size_t tile, uint32_t samples_end) {
+  const SampleSet& samples = states_[tile].samples;
+  const uint32_t last = samples.empty() ? 0 : rounds_.start(samples.end() - 1);
+  const uint32_t round = rounds_.start(samples_end - 1);
+  if (round > last) last_round_.clear(tile);
+  return round > 0 && round >= last;
 }
 
 void Film::add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
@@ -104,9 +116,13 @@ void Film::add_to_state(size_t tile, const SampleSet& samples, const RayCounts& 
 void Film::add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
                const NanSamples& nans) {
   const std::lock_guard lock(mutex(tile));
-  if (PixelSums* const held = sums_.of(tile); held != by.sums) {
+  const auto add = [&](PixelSums* to) {
     for (size_t i = 0; i < tile_sums(); ++i)
-      for (size_t c = 0; c < held[i].size(); ++c) held[i][c] += by.sums[i][c];
+      for (size_t c = 0; c < to[i].size(); ++c) to[i][c] += by.sums[i][c];
+  };
+  if (continues_last_round(tile, samples.end)) add(last_round_.of(tile));
+  if (PixelSums* const held = sums_.of(tile); held != by.sums) {
+    add(held);
     for (size_t i = 0; i < means_.each; ++i) means_.of(tile)[i] += by.means[i];
     for (size_t i = 0; i < squares_.each; ++i) squares_.of(tile)[i] += by.squares[i];
     if (by.firsts) std::copy_n(by.firsts, firsts_.each, firsts_.of(tile));
@@ -118,11 +134,13 @@ TileSamples Film::copy(size_t tile) const {
   const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
   const TileState& state = states_[tile];
-  TileSamples out{state.samples, state.rays, state.nans, {}, {}, {}, {}};
+  TileSamples out{state.samples, state.rays, state.nans, {}, {}, {}, {}, {}};
   if (out.samples.empty()) return out;
-  const PixelSums* const sums = sums_.of(tile);
-  for_numbers(t, 1,
-              [&](size_t i) { out.sums.insert(out.sums.end(), sums[i].begin(), sums[i].end()); });
+  const auto copy_sums = [&](const PixelSums* from, std::vector<int64_t>& to) {
+    for_numbers(t, 1, [&](size_t i) { to.insert(to.end(), from[i].begin(), from[i].end()); });
+  };
+  copy_sums(sums_.of(tile), out.sums);
+  if (rounds_.first > 0) copy_sums(last_round_.of(tile), out.last_round);
   const auto copy = [&](const auto& from, int planes, auto& to) {
     for_numbers(t, planes, [&](size_t i) { to.push_back(from.of(tile)[i]); });
   };
@@ -143,11 +161,14 @@ void Film::add(size_t tile, const TileSamples& by) {
     const auto* number = from.data();
     for_numbers(t, planes, [&](size_t i) { to.of(tile)[i] += *number++; });
   };
-  PixelSums* const sums = sums_.of(tile);
-  const int64_t* number = by.sums.data();
-  for_numbers(t, 1, [&](size_t i) {
-    for (int64_t& sum : sums[i]) sum += *number++;
-  });
+  const auto add_sums = [&](const std::vector<int64_t>& from, PixelSums* to) {
+    const int64_t* number = from.data();
+    for_numbers(t, 1, [&](size_t i) {
+      for (int64_t& sum : to[i]) sum += *number++;
+    });
+  };
+  add_sums(by.sums, sums_.of(tile));
+  if (continues_last_round(tile, by.samples.end())) add_sums(by.last_round, last_round_.of(tile));
   add(by.means, layout_.means(), means_);
   add(by.squares, layout_.squares(), squares_);
   if (by.samples.first() < state.samples.first()) {
@@ -173,10 +194,11 @@ bool Film::can_hold(const TileSamples& numbers) const {
   const double sample = bound_ * scale_ + 1, most = samples * sample;
   const double coverage = samples * double(kFullCoverage);
   const size_t pixels = numbers.sums.size() / 4;
-  for (size_t i = 0; i < numbers.sums.size(); ++i) {
-    const auto sum = double(numbers.sums[i]);
-    if (i % 4 < 3 ? std::abs(sum) > most : sum < 0 || sum > coverage) return false;
-  }
+  for (const auto* const sums : {&numbers.sums, &numbers.last_round})
+    for (size_t i = 0; i < sums->size(); ++i) {
+      const auto sum = double((*sums)[i]);
+      if (i % 4 < 3 ? std::abs(sum) > most : sum < 0 || sum > coverage) return false;
+    }
   for (size_t i = 0; i < numbers.squares.size(); ++i) {
     const Uint128 squares = numbers.squares[i];
     if (double(squares) > most * sample) return false;

@@ -102,6 +102,7 @@ struct TileSamples {
   RayCounts rays;
   NanSamples nans;
   std::vector<int64_t> sums, means;
+  std::vector<int64_t> last_round;  // like `sums`, of a film with rounds
   std::vector<Uint128> squares;
   std::vector<uint32_t> firsts;
 
@@ -123,9 +124,10 @@ class Film {
 
   /// `bound`, clamped to the range of the two constants above, limits a sample's value. The tiles'
   /// side is a multiple of 8, at most kMaxTileSide; it does not affect the picture. A sparse film
-  /// takes memory only for tiles with samples.
+  /// takes memory only for tiles with samples. A film with rounds also keeps the sums of the last
+  /// round in which a tile has samples, unless it is the first.
   Film(int width, int height, double bound, int tile_side = kTileSide, ChannelSet channels = {},
-       bool is_sparse = false);
+       bool is_sparse = false, SampleRounds rounds = {});
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -134,6 +136,7 @@ class Film {
   double scale() const { return scale_; }
   int tile_side() const { return tile_side_; }
   const FilmLayout& layout() const { return layout_; }
+  SampleRounds rounds() const { return rounds_; }
 
   size_t tiles() const { return states_.size(); }
   Tile tile(size_t index) const;
@@ -162,8 +165,8 @@ class Film {
   /// them until add(), and stays unchanged if that is never called. Null if there are samples.
   Sums begin(size_t tile);
 
-  /// Adds samples missing from the tile, and their cost. The sums are those of begin() unless the
-  /// tile had samples.
+  /// Adds samples missing from the tile, all of one round, and their cost. The sums are those of
+  /// begin() unless the tile had samples.
   void add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
            const NanSamples& nans = {});
 
@@ -219,6 +222,8 @@ class Film {
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
   void clear(size_t tile);
+  // Prepares the sums of the last round for more samples; whether these belong to it.
+  bool continues_last_round(size_t tile, uint32_t samples_end);
   void add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
                     const NanSamples& nans);
   // For a pixel of the picture, in a tile that has samples.
@@ -237,11 +242,13 @@ class Film {
   int width_, height_, tile_side_, columns_;
   double bound_, scale_;
   FilmLayout layout_;
+  SampleRounds rounds_;
   // Each guards some tiles of the following: a prime number, so that threads half or a third of the
   // picture apart do not contend.
   mutable std::array<std::mutex, 61> mutexes_;
   std::vector<TileState> states_;
   Tiles<PixelSums> sums_;
+  Tiles<PixelSums> last_round_;
   // Tile by tile, plane by plane; separate, so that unused ones take no memory.
   Tiles<int64_t> means_;
   Tiles<Uint128> squares_;

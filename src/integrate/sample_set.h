@@ -18,6 +18,24 @@ struct SampleSpan {
   friend bool operator==(const SampleSpan&, const SampleSpan&) = default;
 };
 
+/// The rounds of a picture whose tiles get different numbers of samples: samples 0 .. first - 1,
+/// then in each round as many as in all before it. Sobol's sequence is most even at their ends.
+struct SampleRounds {
+  uint32_t first = 0;  // 0: no rounds
+
+  /// The first sample of the round of a sample.
+  uint32_t start(uint32_t sample) const {
+    if (first == 0 || sample < first) return 0;
+    uint32_t start = first;
+    while (start <= sample / 2) start *= 2;
+    return start;
+  }
+  /// The end of the round that starts there.
+  uint32_t end(uint32_t start) const {
+    return first == 0 ? std::numeric_limits<uint32_t>::max() : std::max(2 * start, first);
+  }
+};
+
 /// Spans in ascending order with gaps between them.
 class SampleSet {
  public:

@@ -11,6 +11,7 @@
 #include "integrate/denoise.h"
 #include "integrate/figure.h"
 #include "integrate/integrators.h"
+#include "integrate/sample_set.h"
 #include "integrate/tone.h"
 #include "scene/cube_map.h"
 #include "scene/scene.h"
@@ -65,6 +66,10 @@ struct PlainOptions {
   int aa = 0;            // cells along a pixel's side; 1: its centre; 0: the whole pixel
   int lens_samples = 0;  // per cell
   int samples = 0;       // per pixel in total, instead of aa x aa x lens_samples; 0: that product
+  // The relative error that each tile has in the end, with so many samples (docs/adaptive.md); 0:
+  // all tiles have `samples`, which in RenderSettings is otherwise max_samples.
+  float noise = 0;
+  int min_samples = 0, max_samples = 0;
 
   int depth = 0;  // levels of rays
   bool soft_shadows = false;
@@ -77,8 +82,12 @@ struct PlainOptions {
 
   int threads = 0;  // no effect on the picture
 
-  /// If resolved.
-  int samples_per_pixel() const { return samples > 0 ? samples : aa * aa * lens_samples; }
+  /// If resolved; with `noise` the most.
+  int samples_per_pixel() const {
+    return noise > 0 ? max_samples : samples > 0 ? samples : aa * aa * lens_samples;
+  }
+  /// If resolved. The second round ends with the fewest samples.
+  SampleRounds rounds() const { return {noise > 0 ? uint32_t(min_samples + 1) / 2 : 0}; }
 
   /// The channels of the film: those of the picture, and what the denoiser needs.
   ChannelSet film_channels() const {

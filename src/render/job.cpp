@@ -73,8 +73,7 @@ std::expected<void, Error> RenderJob::find_and_load(std::optional<NamedPart> beg
     return std::unexpected(std::move(*why));
   settings_ = resolve_options(request_.options, *scene_);
   const Crop frame = settings_.frame();
-  if (auto why = picture_problem(frame.width(), frame.height(), settings_.film_channels(),
-                                 request_.shards))
+  if (auto why = picture_problem(frame.width(), frame.height(), settings_, request_.shards))
     return std::unexpected(std::move(*why));
   if (const uint32_t samples = samples_ > 0 ? samples_ : uint32_t(settings_.samples_per_pixel());
       request_.sample_range.end > samples)
@@ -184,7 +183,7 @@ std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) 
               fmt::format("{} s were too short for one sample per pixel; {}", request_.time_limit_s,
                           is_kept ? "the samples so far are in " + request_.checkpoint
                                   : "nothing was written")});
-  describe(samples);
+  describe(samples, finished);
   if (!events_.warning) return {};
   if (finished && !request_.is_partial())
     if (const auto why = blank_warning(*part_.film, settings_, *accel_))
@@ -196,14 +195,16 @@ std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) 
 
 // A time limit may allow only some of the samples. The first samples of Sobol's sequence are a
 // complete picture with fewer samples; for other samplers the settings list the samples.
-void RenderJob::describe(const SampleCounts& samples) {
+void RenderJob::describe(const SampleCounts& samples, bool finished) {
   const auto wanted = uint32_t(settings_.samples_per_pixel());
   if (request_.is_partial() || samples.fewest == wanted || samples.most == 0) return;
+  if (finished && settings_.noise > 0) return;
   const bool are_first = samples.alike && samples.samples == SampleSet({0, samples.most});
-  if (are_first && settings_.samples > 0) settings_.samples = int(samples.most);
+  const bool is_prefix = are_first && settings_.samples > 0 && settings_.noise == 0;
+  if (is_prefix) settings_.samples = int(samples.most);
   Metadata& kept = part_.header.settings;
   kept = settings_of(*scene_, settings_, request_.read, request_.scene_hash);
-  if (are_first && settings_.samples > 0) return;
+  if (is_prefix) return;
   kept.emplace_back("samples_done", are_first ? fmt::format("{}", samples.most)
                                     : samples.alike
                                         ? text_of(samples.samples)
@@ -223,14 +224,18 @@ std::expected<void, Error> RenderJob::write() {
 }
 
 RenderFigures RenderJob::figures() const {
-  RenderFigures figures{scene_,
-                        settings_,
-                        accel_->info(),
-                        times_,
-                        part_.film->rays(),
-                        rays_before_,
-                        samples_of(part_).fewest,
-                        part_.film->nans()};
+  const SampleCounts samples = samples_of(part_);
+  RenderFigures figures{
+      scene_,
+      settings_,
+      accel_->info(),
+      times_,
+      part_.film->rays(),
+      rays_before_,
+      samples.fewest,
+      samples.mean,
+      settings_.noise > 0 ? share_with(uint32_t(settings_.max_samples), part_) : 0,
+      part_.film->nans()};
   if (figures.nans.count > 0) {
     const Crop frame = settings_.frame();
     figures.nans.x += uint32_t(frame.x0), figures.nans.y += uint32_t(frame.y0);

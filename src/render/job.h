@@ -74,8 +74,10 @@ struct RenderFigures {
   Times times;
   RayCounts rays;
   uint64_t rays_before = 0;
-  uint32_t samples = 0;  // of every pixel
-  NanSamples nans;       // of the whole picture, with coordinates in it
+  uint32_t samples = 0;      // of every pixel, at least
+  double mean_samples = 0;   // of all pixels
+  double share_at_most = 0;  // of pixels with max_samples, with `noise`
+  NanSamples nans;           // of the whole picture, with coordinates in it
 };
 
 /// Call prepare(), run() and write() once each, in this order, and each only if the previous one
@@ -136,7 +138,7 @@ class RenderJob {
   std::expected<void, Error> render_and_keep();
   std::expected<void, Error> conclude(bool finished, bool was_stopped);
   void write_checkpoint();
-  void describe(const SampleCounts& samples);
+  void describe(const SampleCounts& samples, bool finished);
 
   Clock::time_point begin_ = Clock::now();
   JobRequest request_;

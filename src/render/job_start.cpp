@@ -41,6 +41,19 @@ void take_picture_options(JobRequest& request, RenderOptions options) {
   request.options = options;
 }
 
+// Takes the number of samples in `settings` over if a film with the settings `before` can be
+// extended to it: any number of Sobol's sequence, or less noise, since a tile that needs more
+// samples than it has needed these first.
+void allow_more_samples(Metadata& before, const Metadata& settings) {
+  const auto had = options_from(before, false), now = options_from(settings, false);
+  if (!had || !now) return;
+  for (auto& [key, text] : before)
+    if ((key == "samples" && is_extensible(now->samples)) ||
+        (key == "noise" && now->noise > 0 && now->noise <= had->noise) ||
+        (key == "max_samples" && now->max_samples >= had->max_samples))
+      text = setting(settings, key);
+}
+
 // For a picture ended by a time limit: its number of samples, or 0 if it has none.
 uint32_t samples_done(std::string_view text) {
   uint32_t samples = 0;
@@ -54,6 +67,8 @@ std::optional<std::string> add_samples(const Part& part, JobRequest& request) {
   auto options = options_from(part.header.settings);
   if (!options) return options.error().message;
   const SampleCounts has = samples_of(part);
+  if (options->noise > 0)
+    return "its tiles have as many samples as `noise` asks for; `resume` it with a smaller `noise`";
   if (!is_extensible(options->samples))
     return "its samples are cells of `aa` and `lens-samples`, so none can be added; pictures made "
            "with `samples` can be extended";
@@ -144,6 +159,11 @@ std::optional<Error> request_conflict(const JobRequest& r) {
     return bad_option("", fmt::format("parts by `{}` with `time-limit` would have different "
                                       "numbers of samples; leave one of them out",
                                       partial));
+  if (!r.sample_range.empty() && r.options.noise > 0)
+    return bad_option(
+        "sample-range",
+        "has no effect with `noise`, which determines the samples of each tile; leave "
+        "one of them out, or split the picture with `shard`");
   if (!r.sample_range.empty() && r.add_samples > 0)
     return bad_option("",
                       "`sample-range` says which samples to render, and `add-samples` how many "
@@ -194,10 +214,7 @@ std::expected<std::unique_ptr<Film>, Error> film_of(
   const std::string& file = repeats ? request.repeat : start.film_name;
   if (!start.settings.empty()) {
     Metadata before = start.settings;
-    // Any number of samples of Sobol's sequence can be extended.
-    if (is_extensible(used.samples) && !repeats)
-      for (auto& [key, text] : before)
-        if (key == "samples") text = setting(settings, "samples");
+    if (!repeats) allow_more_samples(before, settings);
     const std::string version(setting(before, "version"));
     if (repeats && version != RAIO_VERSION) {
       if (warning)

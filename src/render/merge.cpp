@@ -6,24 +6,45 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "render/noise.h"
 #include "render/part.h"
 
 namespace raio::core {
 
+namespace {
+
+uint64_t tile_pixels(const Tile& tile) {
+  return uint64_t(tile.x1 - tile.x0) * uint64_t(tile.y1 - tile.y0);
+}
+
+}  // namespace
+
 SampleCounts samples_of(const Part& part) {
   const auto& [header, film] = part;
   SampleCounts counts;
+  uint64_t all = 0, pixels = 0;
   for (size_t t = header.shard; t < film->tiles(); t += header.shards) {
     const SampleSet samples = film->samples(t);
     const uint32_t count = samples.count();
-    if (t == header.shard) {
-      counts = {count, count, true, samples};
-      continue;
-    }
+    if (t == header.shard) counts = {count, count, 0, true, samples};
     counts.fewest = std::min(counts.fewest, count), counts.most = std::max(counts.most, count);
     counts.alike &= samples == counts.samples;
+    const uint64_t here = tile_pixels(film->tile(t));
+    all += count * here, pixels += here;
   }
+  counts.mean = double(all) / double(std::max<uint64_t>(pixels, 1));
   return counts;
+}
+
+double share_with(uint32_t samples, const Part& part) {
+  const auto& [header, film] = part;
+  uint64_t with = 0, pixels = 0;
+  for (size_t t = header.shard; t < film->tiles(); t += header.shards) {
+    const uint64_t here = tile_pixels(film->tile(t));
+    pixels += here;
+    if (film->samples(t).count() == samples) with += here;
+  }
+  return double(with) / double(std::max<uint64_t>(pixels, 1));
 }
 
 namespace {
@@ -97,18 +118,28 @@ std::expected<Part, Error> merge_parts(std::span<NamedPart> parts) {
 
 namespace {
 
-SampleSpan wanted_samples(const Part& part) {
-  const auto options = options_from(part.header.settings, false);
-  return {0, options ? uint32_t(options->samples_per_pixel()) : 1};
-}
+// Missing samples by tile.
+class Missing {
+ public:
+  explicit Missing(const Part& part)
+      : film_(*part.film), options_(options_from(part.header.settings, false)) {}
+
+  SampleSet of(size_t tile) const {
+    return film_.samples(tile).missing({0, options_ ? need_of(film_, tile, *options_).end : 1});
+  }
+
+ private:
+  const Film& film_;
+  std::expected<RenderOptions, Error> options_;
+};
 
 }  // namespace
 
 std::optional<SampleSet> missing_samples(const Part& part, uint32_t shard, uint32_t shards) {
-  const SampleSpan wanted = wanted_samples(part);
+  const Missing missing_of(part);
   std::optional<SampleSet> missing;
   for (size_t t = shard; t < part.film->tiles(); t += shards) {
-    SampleSet here = part.film->samples(t).missing(wanted);
+    SampleSet here = missing_of.of(t);
     if (missing && *missing != here) return std::nullopt;
     missing = std::move(here);
   }
@@ -117,17 +148,16 @@ std::optional<SampleSet> missing_samples(const Part& part, uint32_t shard, uint3
 
 std::string missing_samples(const Part& part, uint32_t shards) {
   const Film& film = *part.film;
-  const SampleSpan wanted = wanted_samples(part);
+  const Missing missing_of(part);
   std::vector<size_t> missing(shards), all(shards);
   size_t tiles = 0, with_gaps = 0;
   SampleSet gaps;  // of the first tile with gaps
   bool alike = true;
   for (size_t t = 0; t < film.tiles(); ++t) {
-    const SampleSet samples = film.samples(t);
     ++all[t % shards];
-    if (samples.empty()) {
+    if (film.samples(t).empty()) {
       ++missing[t % shards], ++tiles;
-    } else if (const SampleSet here = samples.missing(wanted); !here.empty()) {
+    } else if (const SampleSet here = missing_of.of(t); !here.empty()) {
       if (++with_gaps == 1) gaps = here;
       alike &= here == gaps;
     }

@@ -310,6 +310,17 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "N samples per pixel over its whole area (through its centre with `aa` 1); implies "
            "`sampler` sobol, replaces `aa` and `lens-samples`",
            kValue<&Options::samples>, range(1, kMaxSamples)),
+    option(
+        sampling, "noise", "E",
+        "Give each tile of 16 x 16 pixels as many samples as it needs for a standard error below "
+        "E times its brightness, as in 0.02; implies `sampler` sobol, replaces `samples`",
+        kValue<&Options::noise>, range(0.0001, 1), excludes("samples"), kOfLight, kNotOfWindow),
+    option(sampling, "min-samples", "N", "The fewest samples per pixel with `noise`",
+           kValue<&Options::min_samples>, usual("16"), range(2, kMaxSamples), kOfLight,
+           kNotOfWindow),
+    option(sampling, "max-samples", "N", "The most samples per pixel with `noise`",
+           kValue<&Options::max_samples>, usual("4096"), range(2, kMaxSamples), kOfLight,
+           kNotOfWindow),
     option(sampling, "sampler", "NAME",
            "Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol "
            "sequence, well distributed after any number of samples",

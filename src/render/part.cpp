@@ -82,6 +82,7 @@ std::string encode_tile(const TileSamples& tile) {
   for (const auto count : kRayCounts) put(out, tile.rays.*count);
   put(out, tile.nans.count), put(out, tile.nans.x), put(out, tile.nans.y);
   put_numbers(out, tile.sums);
+  put_numbers(out, tile.last_round);
   put_numbers(out, tile.means);
   put_numbers(out, tile.squares);
   put_numbers(out, tile.firsts);
@@ -184,7 +185,9 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
   tile.nans.x = bytes.number<uint32_t>(), tile.nans.y = bytes.number<uint32_t>();
   if (!are_sound(tile.nans, all, place)) return "the count of NaN samples is out of range";
   const FilmLayout& layout = film.layout();
+  const size_t in_last_round = film.rounds().first > 0 ? 4 * pixels : 0;
   if (!take_numbers(bytes, 4 * pixels, tile.sums) ||
+      !take_numbers(bytes, in_last_round, tile.last_round) ||
       !take_numbers(bytes, size_t(layout.means()) * pixels, tile.means) ||
       !take_numbers(bytes, size_t(layout.squares()) * pixels, tile.squares) ||
       !take_numbers(bytes, size_t(layout.firsts()) * pixels, tile.firsts))
@@ -195,13 +198,15 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
 }
 
 // The bytes of the next tile, unchecked.
-std::string_view skip_tile(ByteReader& bytes, const FilmLayout& layout) {
+std::string_view skip_tile(ByteReader& bytes, const Film& film) {
   const std::string_view begin = bytes.rest();
   const auto spans = bytes.number<uint32_t>();
   bytes.take(size_t(spans) * 2 * sizeof(uint32_t));
   if (spans > 0) {
     bytes.take((kRayCounts.size() + 2) * sizeof(uint64_t));  // rays, and samples that are NaN
     bytes.text();
+    if (film.rounds().first > 0) bytes.text();
+    const FilmLayout& layout = film.layout();
     for (const int planes : {layout.means(), layout.squares(), layout.firsts()})
       if (planes > 0) bytes.text();
   }
@@ -301,15 +306,16 @@ std::expected<Part, Error> decode_part(std::string_view file) {
   // Each tile takes at least four bytes, so a short file cannot request the memory of a large film.
   const uint64_t tiles = uint64_t((width - 1) / tile_side + 1) * ((height - 1) / tile_side + 1);
   if (tiles > bytes.left() / 4) return broken("the file is truncated");
-  if (auto why = picture_problem(int(width), int(height), options->film_channels(), header.shards))
+  if (auto why = picture_problem(int(width), int(height), *options, header.shards))
     return std::unexpected(std::move(*why));
 
-  part.film = std::make_unique<Film>(int(width), int(height), bound, int(tile_side),
-                                     options->film_channels(), header.shards > 1);
+  part.film =
+      std::make_unique<Film>(int(width), int(height), bound, int(tile_side),
+                             options->film_channels(), header.shards > 1, options->rounds());
   // A part may have few of many tiles.
   std::vector<std::pair<size_t, std::string_view>> texts;
   for (size_t t = 0; t < tiles; ++t)
-    if (const auto text = skip_tile(bytes, part.film->layout()); text.size() > sizeof(uint32_t))
+    if (const auto text = skip_tile(bytes, *part.film); text.size() > sizeof(uint32_t))
       texts.emplace_back(t, text);
   if (bytes.ended || bytes.left() > 0) return broken("bytes follow its last tile");
   std::vector<std::string> wrong(texts.size());

@@ -45,10 +45,14 @@ std::expected<Part, Error> read_part(const std::filesystem::path& path);
 /// The number of samples in the tiles of a part, within its shard.
 struct SampleCounts {
   uint32_t fewest = 0, most = 0;
+  double mean = 0;    // of all pixels
   bool alike = true;  // all tiles have the same samples
   SampleSet samples;  // of the first tile
 };
 SampleCounts samples_of(const Part& part);
+
+/// The share of the pixels in a part's shard that have so many samples.
+double share_with(uint32_t samples, const Part& part);
 
 /// "0:20,50:100": each span as first sample and end, exclusive.
 std::string text_of(const SampleSet& samples);

@@ -141,6 +141,10 @@ std::optional<Error> window_conflict(const RenderOptions& options) {
                       "the window refines its pictures instead; leave it out, or render to a file");
   if (options.crop)
     return bad_option("crop", "the window shows whole pictures; leave it out, or render to a file");
+  if (options.noise > 0)
+    return bad_option("noise",
+                      "the window gives all pixels the same number of samples; leave it out, or "
+                      "render to a file");
   if (options.projection == Projection::omnidirectional)
     return bad_option("projection",
                       "the window shows no omnidirectional pictures; choose another, or render to "

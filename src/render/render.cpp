@@ -17,10 +17,12 @@
 #include "base/memory.h"
 #include "integrate/prepared_scene.h"
 #include "integrate/views.h"
+#include "render/noise.h"
 
 namespace raio::core {
 
-std::optional<Error> picture_problem(int width, int height, ChannelSet channels, uint32_t shards) {
+std::optional<Error> picture_problem(int width, int height, const PlainOptions& options,
+                                     uint32_t shards) {
   const auto refused = [](const std::string& why) {
     return Error{ErrorKind::no_resource, "", why + "; choose a smaller `size`"};
   };
@@ -29,11 +31,11 @@ std::optional<Error> picture_problem(int width, int height, ChannelSet channels,
   const auto whole = [](int side) {
     return std::min(2.0 * side, std::ceil(double(side) / kMaxTileSide) * kMaxTileSide);
   };
-  const FilmLayout layout(channels);
+  const FilmLayout layout(options.film_channels());
   const double means = layout.means(), squares = layout.squares(), firsts = layout.firsts();
   double bytes = whole(width) * whole(height) *
-                 (sizeof(PixelSums) + means * sizeof(int64_t) + squares * sizeof(Uint128) +
-                  firsts * sizeof(uint32_t)) /
+                 ((options.noise > 0 ? 2 : 1) * sizeof(PixelSums) + means * sizeof(int64_t) +
+                  squares * sizeof(Uint128) + firsts * sizeof(uint32_t)) /
                  shards;
   if (shards == 1)
     bytes += double(pixels) * (sizeof(Rgb) + 6 + double(layout.planes()) * sizeof(float));
@@ -51,16 +53,16 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
                                                       const RenderSettings& settings,
                                                       uint32_t shards) {
   const int width = settings.frame().width(), height = settings.frame().height();
-  if (auto why = picture_problem(width, height, settings.film_channels(), shards))
+  if (auto why = picture_problem(width, height, settings, shards))
     return std::unexpected(std::move(*why));
   // Large tiles fill more batches with rays of later levels, as long as there are enough tiles for
   // all threads.
   constexpr int kTiles = 64;
   const auto across = [](int pixels) { return (pixels + kMaxTileSide - 1) / kMaxTileSide; };
   const bool large = double(across(width)) * across(height) >= kTiles;
-  return std::make_unique<Film>(width, height, sample_bound(scene, settings),
-                                large ? kMaxTileSide : kTileSide, settings.film_channels(),
-                                shards > 1);
+  const int side = settings.noise > 0 ? kNoiseTileSide : large ? kMaxTileSide : kTileSide;
+  return std::make_unique<Film>(width, height, sample_bound(scene, settings), side,
+                                settings.film_channels(), shards > 1, settings.rounds());
 }
 
 namespace {
@@ -73,6 +75,8 @@ class Work {
         control_(control),
         threads_(scene.settings.threads),
         task_(task),
+        options_(scene.settings),
+        adapts_(scene.settings.noise > 0 && task.samples == 0),
         wanted_{task.first_sample, task.samples > 0 ? task.samples : scene.sampler.samples},
         renderers_([&scene, &control] { return make_tile_renderer(scene, control); }) {
     uint64_t total = 0;
@@ -88,17 +92,34 @@ class Work {
   double busy_s() const { return 1e-9 * double(busy_ns_); }
 
   /// Whether everything is done.
-  bool run() { return task_.seconds > 0 ? run_in_time() : add_up_to(wanted_.end); }
+  bool run() {
+    return adapts_ ? add_as_needed() : task_.seconds > 0 ? run_in_time() : add_up_to(wanted_.end);
+  }
 
  private:
   bool late() const { return task_.seconds > 0 && seconds_since(start_) >= task_.seconds; }
   bool ended() const { return control_.stop || stop_requested() || late(); }
 
-  // Returns whether all tiles have the samples before `end` now. A tile gets its samples in
-  // portions, so the film is never far behind. Tiles that were expensive last time come first, so
-  // that threads finish together.
+  // Adds the missing samples of a tile in portions, so the film is never far behind; each is of one
+  // round. Returns the time taken.
+  int64_t add(size_t tile, SampleSpan wanted) {
+    const auto start = Clock::now();
+    const SampleRounds rounds = film_.rounds();
+    for (SampleSpan next;
+         !(next = film_.samples(tile).first_missing(wanted)).empty() && !ended();) {
+      const uint32_t round_end = rounds.end(rounds.start(next.first));
+      next.end = std::min({next.first + kPortion, next.end, round_end});
+      renderers_.local()->render(tile, next, film_);
+      look_at_clock();
+    }
+    const int64_t cost_ns = std::chrono::nanoseconds(Clock::now() - start).count();
+    busy_ns_ += cost_ns;
+    return cost_ns;
+  }
+
+  // Returns whether all tiles have the samples before `end` now. Tiles that were expensive last
+  // time come first, so that threads finish together.
   bool add_up_to(uint32_t end) {
-    constexpr uint32_t kPortion = 64;
     std::vector<size_t> order(tiles_.size());
     std::iota(order.begin(), order.end(), size_t(0));
     std::ranges::sort(order, [&](size_t a, size_t b) {
@@ -106,18 +127,44 @@ class Work {
     });
     Executor(threads_, nullptr).run([&] {
       deal(tiles_.size(), [&](size_t k) {
-        const size_t i = order[k], tile = tiles_[i];
-        const auto start = Clock::now();
-        for (SampleSpan next; !(next = missing(tile, end)).empty() && !ended();) {
-          renderers_.local()->render(tile, {next.first, std::min(next.first + kPortion, next.end)},
-                                     film_);
-          look_at_clock();
-        }
-        costs_ns_[i] = std::chrono::nanoseconds(Clock::now() - start).count();
-        busy_ns_ += costs_ns_[i];
+        const size_t i = order[k];
+        costs_ns_[i] = add(tiles_[i], {wanted_.first, end});
       });
     });
     return reached_by_all().first >= end;
+  }
+
+  // Adds the samples that each tile needs, then those that it needs after these, and so on. Returns
+  // whether none needs more.
+  bool add_as_needed() {
+    struct Portion {
+      size_t tile;
+      SampleSpan samples;
+    };
+    std::vector<TileNeed> needs(tiles_.size());
+    for (std::vector<Portion> portions;; portions.clear()) {
+      Executor(threads_, nullptr).run([&] {
+        parallel_for(tiles_.size(),
+                     [&](size_t i) { needs[i] = need_of(film_, tiles_[i], options_); });
+      });
+      uint64_t likely = 0;
+      for (size_t i = 0; i < tiles_.size(); ++i) {
+        const SampleSet has = film_.samples(tiles_[i]), missing = has.missing({0, needs[i].end});
+        if (missing.empty()) continue;
+        likely += needs[i].likely - has.count();
+        // The first samples are summed in the film's memory, by one thread.
+        const uint32_t most = has.empty() ? needs[i].end : kPortion;
+        for (SampleSpan span : missing.spans())
+          for (; !span.empty(); span.first = std::min(span.first + most, span.end))
+            portions.push_back({tiles_[i], {span.first, std::min(span.first + most, span.end)}});
+      }
+      control_.work_total = control_.work_done + likely;
+      if (portions.empty()) return true;
+      if (ended()) return false;
+      Executor(threads_, nullptr).run([&] {
+        deal(portions.size(), [&](size_t i) { add(portions[i].tile, portions[i].samples); });
+      });
+    }
   }
 
   // Calls `at_interval` when it is due, in one thread at a time.
@@ -173,7 +220,10 @@ class Work {
   Film& film_;
   WorkControl& control_;
   int threads_;
+  static constexpr uint32_t kPortion = 64;
   const RenderTask& task_;
+  const PlainOptions& options_;
+  bool adapts_;  // to the noise of each tile
   SampleSpan wanted_;
   Clock::time_point start_ = Clock::now(), interval_start_ = start_;
   std::mutex interval_mutex_;

@@ -17,7 +17,7 @@ namespace raio::core {
 
 /// The samples to add to a film.
 struct RenderTask {
-  uint32_t samples = 0;            // the target per pixel; 0: as many as the options say
+  uint32_t samples = 0;            // the target per pixel; 0: as the options say, also by `noise`
   uint32_t first_sample = 0;       // skip the samples before this one
   uint32_t shard = 0, shards = 1;  // only tiles with number = `shard` modulo `shards`
   double seconds = 0;              // approximate limit; 0: none
@@ -35,7 +35,7 @@ struct RenderResult {
 
 /// Why a picture of this many pixels, or one of its shards, is impossible, or nothing: not enough
 /// memory (no_resource). Lets callers find out before they build a structure.
-std::optional<Error> picture_problem(int width, int height, ChannelSet channels = {},
+std::optional<Error> picture_problem(int width, int height, const PlainOptions& options = {},
                                      uint32_t shards = 1);
 
 /// An empty film for the rendered part of a picture, or one of its shards, or picture_problem().
@@ -50,7 +50,7 @@ std::expected<std::unique_ptr<Film>, Error> make_film(const Scene& scene,
 ///
 /// With a time limit it renders all tiles pass by pass and drops an unfinished pass, so all tiles
 /// have the same number of samples. They differ only if the first pass, or one begun by an earlier
-/// call, is unfinished.
+/// call, is unfinished. With `noise`, each tile keeps what it has.
 RenderResult render(const Scene& scene, const Accel& accel, const RenderSettings& settings,
                     Film& film, WorkControl& control, const RenderTask& task = {});
 

@@ -92,15 +92,32 @@ std::optional<Error> accel_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
+// The samples of a picture with `noise`.
+constexpr int kMinSamples = 16, kMaxSamplesOfNoise = 4096;
+int min_samples(const RenderOptions& o) {
+  return o.min_samples > 0 ? o.min_samples
+                           : std::min(kMinSamples, o.max_samples > 0 ? o.max_samples : kMinSamples);
+}
+int max_samples(const RenderOptions& o) {
+  return o.max_samples > 0 ? o.max_samples : std::max(kMaxSamplesOfNoise, o.min_samples);
+}
+
 // Checks that need no scene.
 std::optional<Error> sample_conflict(const RenderOptions& options) {
-  if (options.samples == 0) return std::nullopt;
-  if (options.aa > 1)
-    return bad_option("aa", "cannot be combined with `samples`; leave one of them out");
+  for (const std::string_view limit : {"min-samples", "max-samples"})
+    if (options.noise == 0 && option_of(limit).is_given(options)) return without(limit, "noise");
+  if (min_samples(options) > max_samples(options))
+    return bad_option("min-samples", "is above `max-samples`; give a smaller number");
+  if (options.samples == 0 && options.noise == 0) return std::nullopt;
+  const std::string_view given = options.noise > 0 ? "noise" : "samples";
+  if (options.aa > 1 || (options.noise > 0 && options.lens_samples > 0))
+    return bad_option(options.aa > 1 ? "aa" : "lens-samples",
+                      fmt::format("cannot be combined with `{}`; leave one of them out", given));
   if (options.sampler == SamplerKind::jitter)
     return bad_option("sampler",
-                      "jitter takes its cells from `aa` and `lens-samples`; leave out `samples` or "
-                      "`sampler` jitter");
+                      fmt::format("jitter takes its cells from `aa` and `lens-samples`; leave out "
+                                  "`{}` or `sampler` jitter",
+                                  given));
   return std::nullopt;
 }
 
@@ -191,7 +208,7 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
                       "learns the noise from the spread of a pixel's samples, so it needs at least "
                       "two; add `samples` or `aa`, or leave it out");
   if (s.samples > 1 && no_effects)
-    return bad_option("samples",
+    return bad_option(s.noise > 0 ? "noise" : "samples",
                       "has no effect with only `aa` 1; add `dof`, `soft-shadows` or `gloss`, or "
                       "leave one of them out");
   if (s.lens_samples > 1 && no_effects)
@@ -320,11 +337,13 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   if (!(o.fov_deg > 0)) s.camera.fov_deg = fitted_fov_deg(s.camera, s.width, s.height);
   if (s.crop == Crop{0, 0, s.width, s.height}) s.crop.reset();
 
-  s.sampler = o.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
+  if (o.noise > 0)
+    s.min_samples = min_samples(o), s.max_samples = max_samples(o), s.samples = s.max_samples;
+  s.sampler = s.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
   const bool path = s.integrator == IntegratorKind::path;
   const bool figure = lights_from_all_sides(s.integrator);
   if (o.depth == 0) s.depth = path ? kUsualPathDepth : RenderSettings().depth;
-  if (figure && o.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
+  if (figure && s.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
       o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
     s.samples = kFigureSamples, s.sampler = SamplerKind::sobol;
   if (s.samples == 0 && o.aa == 0)
@@ -356,6 +375,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
       own != Background{s.background, s.sky} || s.sees_environment != sees_environment(o, scene))
     o.background = WrittenColor{.color = s.background, .sky = s.sky};
   set_camera(o, s.camera, scene);
+  if (s.noise > 0) o.samples = 0;
   o.sampler = s.sampler, o.dof = s.dof;
   if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
   if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
