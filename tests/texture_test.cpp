@@ -72,6 +72,32 @@ TEST(Textures, AreBilinearInLinearLight) {
     }
 }
 
+TEST(Textures, DataAndAlphaAreLinear) {
+  Scene scene = with_texture(2, 1, TextureWrap::clamp, TextureWrap::clamp);
+  scene.texels = {0, 0x00ff3300, 0xff0033ff};  // alpha 1, then 0
+  EXPECT_EQ(texture_value(scene, 0, {0, 0}), Rgb(0, 0.2f, 1));
+  EXPECT_EQ(texture_value(scene, 0, {0.5f, 0.5f}), Rgb(0.5f, 0.2f, 0.5f));
+  EXPECT_EQ(texture_alpha(scene, 0, {0, 0}), 1);
+  EXPECT_EQ(texture_alpha(scene, 0, {0.625f, 0}), 0.25f);
+  EXPECT_EQ(texture_alpha(scene, 0, {1, 0}), 0);
+  // Colours do not depend on alpha.
+  const Rgb before = texture_color(scene, 0, {0.7f, 0});
+  for (uint32_t& texel : scene.texels) texel ^= 0xab000000;
+  EXPECT_EQ(texture_color(scene, 0, {0.7f, 0}), before);
+}
+
+TEST(Textures, KeepTheAlphaOfPictures) {
+  Image image(2, 1);
+  image.at(0, 0) = image.at(1, 0) = Rgb(1, 0.2f, 0);
+  const std::vector<float> alpha = {1, 0};
+  PictureView picture(image);
+  picture.alpha = alpha, picture.is_straight = true;
+  Scene scene;
+  TextureReader reader;
+  ASSERT_TRUE(reader.add(scene, *encode_png(picture, {})));
+  EXPECT_EQ(scene.texels, Array<uint32_t>({0x000033ff, 0xff0033ff}));
+}
+
 TEST(Textures, BeginAtTheLowerLeft) {
   const Scene scene = with_texture(5, 3);
   EXPECT_EQ(texture_color(scene, 0, {0.1f, 1 - 0.5f / 3}).x, linear_from_srgb(10.0f / 255));

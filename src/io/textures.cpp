@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::expected<Texture, std::string> decode(Scene& scene, std::string_view bytes) {
-  const auto rows = decode_rows(bytes);
+  const auto rows = decode_rows(bytes, true);
   if (!rows) return std::unexpected(rows.error());
   const size_t width = size_t(rows->width), height = size_t(rows->height);
   if (width > kLargestTexture || height > kLargestTexture)

@@ -15,7 +15,7 @@ namespace raio::core {
 class TextureReader {
  public:
   /// The index of a texture with the picture, a whole PNG or JPEG file, which is decoded and stored
-  /// once; or an error. 16 bits become 8, and alpha is dropped.
+  /// once; or an error. 16 bits become 8.
   std::expected<uint32_t, std::string> add(Scene& scene, std::string_view bytes,
                                            TextureWrap wrap_u = TextureWrap::repeat,
                                            TextureWrap wrap_v = TextureWrap::repeat);

@@ -36,6 +36,7 @@ struct PictureView {
   std::span<const float> alpha;
   std::span<const Layer> layers;
   float dpi = 0;
+  bool is_straight = false;  // colours are not multiplied by alpha; for PNG
 
   PictureView(const Image& image) : color(image) {}
   PictureView(const Picture& picture)
@@ -52,11 +53,11 @@ struct PixelRows {
 /// Maps 0 to the largest integer to 0 to 1; alpha remains straight.
 Picture picture_of(const PixelRows& rows);
 
-/// Row y as texels 0xBBGGRR, without alpha; 16 bits become 8.
+/// Row y as texels (Scene::texels); 16 bits become 8.
 void put_texels(const PixelRows& rows, int y, uint32_t* to);
 
-/// For PNG and JPEG, without alpha.
-Decoded<PixelRows> decode_rows(std::string_view bytes);
+/// For PNG and JPEG.
+Decoded<PixelRows> decode_rows(std::string_view bytes, bool with_alpha = false);
 
 /// Detects the format by the first bytes.
 Decoded<Image> decode_image(std::string_view bytes);

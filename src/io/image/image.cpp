@@ -177,12 +177,13 @@ void put_texels(const PixelRows& rows, int y, uint32_t* to) {
     const uint8_t* const at = from + channel * step;
     return step == 1 ? *at : (uint32_t(at[0] << 8 | at[1]) + 128) / 257;
   };
+  const bool has_alpha = rows.channels == 4;
   for (int x = 0; x < rows.width; ++x, from += pixel)
-    to[x] = value(0) | value(1) << 8 | value(2) << 16;
+    to[x] = value(0) | value(1) << 8 | value(2) << 16 | (has_alpha ? 255 - value(3) : 0u) << 24;
 }
 
-Decoded<PixelRows> decode_rows(std::string_view bytes) {
-  if (bytes.starts_with(kPngBegin)) return png_rows(bytes, false);
+Decoded<PixelRows> decode_rows(std::string_view bytes, bool with_alpha) {
+  if (bytes.starts_with(kPngBegin)) return png_rows(bytes, with_alpha);
   if (bytes.starts_with(kJpegBegin)) return jpeg_rows(bytes);
   return std::unexpected(bytes.empty() ? "the file is empty" : "expected a PNG or JPEG picture");
 }

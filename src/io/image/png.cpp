@@ -96,11 +96,11 @@ png_text text_chunk(std::string& name, std::string& value) {
 constexpr size_t kWidest = size_t(1) << 28;
 
 /// A pixel with straight alpha. An opaque one has the same bytes as without alpha.
-png_byte* put_straight(const Rgb& color, float alpha, png_byte* out) {
+png_byte* put_straight(const Rgb& color, float alpha, bool is_straight, png_byte* out) {
   const uint8_t opacity = to_byte(alpha);
-  const float covered = std::min(alpha, 1.0f);
+  const float covered = is_straight ? 1 : std::min(alpha, 1.0f);
   for (const float value : {color.x, color.y, color.z})
-    *out++ = opacity == 0 ? 0 : to_byte(value / covered);
+    *out++ = opacity == 0 && !is_straight ? 0 : to_byte(value / covered);
   *out++ = opacity;
   return out;
 }
@@ -125,7 +125,8 @@ std::vector<png_byte> filtered_rows(const PictureView& picture, int first, int e
       }
     } else {
       const float* alpha = &picture.alpha[y * width];
-      for (size_t x = 0; x < width; ++x) out = put_straight(pixel[x], alpha[x], out);
+      for (size_t x = 0; x < width; ++x)
+        out = put_straight(pixel[x], alpha[x], picture.is_straight, out);
     }
   }
   return rows;
