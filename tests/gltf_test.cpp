@@ -385,7 +385,242 @@ TEST(Gltf, ExtensionsOfMaterialsMayBeRequired) {
       {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0.5, 0, 1]}}}])";
   const Scene scene = scene_of(file);
   EXPECT_EQ(scene.materials[scene.meshes[0].materials[0]].color, Rgb(1, 0.5, 0));
-  EXPECT_THAT(warnings_of(file), HasSubstr("KHR_materials_unlit"));
+  EXPECT_EQ(scene.standard_surface_of(0)->is_unlit, 0);  // no material has it
+  EXPECT_EQ(warnings_of(file), "");
+}
+
+/// A square with this material; its JSON may use texture 0.
+Gltf with_material(std::string_view material) {
+  Gltf file = textured();
+  const size_t from = file.more.find("[{"), to = file.more.find("],\n");
+  file.more.replace(from, to - from, "[" + std::string(material));
+  return file;
+}
+
+StandardSurface surface_of(std::string_view material) {
+  const Scene scene = scene_of(with_material(material));
+  const StandardSurface* const found = scene.standard_surface_of(scene.meshes[0].materials[0]);
+  EXPECT_TRUE(found);
+  return found ? *found : StandardSurface{};
+}
+
+TEST(Gltf, MaterialsAreMetalsByDefault) {
+  const StandardSurface usual{.metallic = 1, .is_two_sided = 0};
+  EXPECT_EQ(surface_of("{}"), usual);
+  EXPECT_EQ(surface_of(R"({"pbrMetallicRoughness": {}})"), usual);
+  const Scene none = scene_of(square());
+  EXPECT_EQ(*none.standard_surface_of(none.meshes[0].materials[0]), usual);
+  EXPECT_EQ(none.materials[0].ior, 1.5f);
+  // For integrators that do not know standard surfaces.
+  EXPECT_EQ(none.materials[0].transmission, 0);
+  EXPECT_EQ(none.materials[0].ks, 0);
+}
+
+TEST(Gltf, ParametersOfSurfaces) {
+  const StandardSurface core = surface_of(R"({"doubleSided": true, "pbrMetallicRoughness":
+      {"metallicFactor": 0.25, "roughnessFactor": 0.5, "metallicRoughnessTexture": {"index": 0}},
+      "normalTexture": {"index": 0, "scale": -0.5}, "emissiveFactor": [1, 0.5, 0.25],
+      "emissiveTexture": {"index": 0},
+      "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}}})");
+  EXPECT_EQ(core, (StandardSurface{.metallic = 0.25f,
+                                   .roughness = 0.5f,
+                                   .emission = {8, 4, 2},
+                                   .normal_scale = -0.5f,
+                                   .metallic_roughness_texture = 0,
+                                   .normal_texture = 0,
+                                   .emission_texture = 0}));
+  const StandardSurface glass = surface_of(R"({"extensions": {
+      "KHR_materials_transmission": {"transmissionFactor": 0.75, "transmissionTexture": {"index": 0}},
+      "KHR_materials_volume": {"thicknessFactor": 2, "attenuationColor": [0.5, 1, 0.25],
+                               "attenuationDistance": 3, "thicknessTexture": {"index": 0}},
+      "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [2, 1, 0.5]}}})");
+  EXPECT_EQ(glass, (StandardSurface{.metallic = 1,
+                                    .specular = 0.5f,
+                                    .specular_color = {2, 1, 0.5f},
+                                    .transmission = 0.75f,
+                                    .is_thin = 0,
+                                    .attenuation_color = {0.5f, 1, 0.25f},
+                                    .attenuation_distance = 3,
+                                    .is_two_sided = 0,
+                                    .transmission_texture = 0}));
+  const StandardSurface layers = surface_of(R"({"extensions": {
+      "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+      "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0.25, 1], "sheenRoughnessFactor": 0.75},
+      "KHR_materials_volume": {}}})");
+  EXPECT_EQ(layers, (StandardSurface{.metallic = 1,
+                                     .coat = 0.5f,
+                                     .coat_roughness = 0.25f,
+                                     .sheen_color = {0.5f, 0.25f, 1},
+                                     .sheen_roughness = 0.75f,
+                                     .is_two_sided = 0}));
+}
+
+TEST(Gltf, IndicesOfRefraction) {
+  const auto with = [](std::string_view ior) {
+    return scene_of(
+        with_material(R"({"extensions": {"KHR_materials_ior": {)" + std::string(ior) + "}}}"));
+  };
+  EXPECT_EQ(with("").materials[0].ior, 1.5f);
+  EXPECT_EQ(with("\"ior\": 1.25").materials[0].ior, 1.25f);
+  // 0 reflects everything: 0.04 times the specular colour is 1.
+  EXPECT_EQ(with("\"ior\": 0").materials[0].ior, 1.5f);
+  EXPECT_FLOAT_EQ(with("\"ior\": 0").standard_surface_of(0)->specular_color.x, 25);
+}
+
+TEST(Gltf, SpecularGlossinessIsADielectric) {
+  const StandardSurface s = surface_of(R"({"extensions": {"KHR_materials_pbrSpecularGlossiness":
+      {"specularFactor": [0.04, 0.5, 1], "glossinessFactor": 0.75}}})");
+  EXPECT_EQ(s.metallic, 0);
+  EXPECT_EQ(s.roughness, 0.25f);
+  EXPECT_FLOAT_EQ(s.specular_color.x, 1);
+  EXPECT_FLOAT_EQ(s.specular_color.z, 25);
+}
+
+TEST(Gltf, AlphaModes) {
+  EXPECT_EQ(surface_of(R"({"alphaCutoff": 0.25})").alpha_mode, AlphaMode::opaque);
+  EXPECT_EQ(surface_of(R"({"alphaMode": "BLEND"})").alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(surface_of(R"({"alphaMode": "MASK"})").alpha_cutoff, 0.5f);
+  const std::string_view mask = R"({"alphaMode": "MASK", "alphaCutoff": 0.25,
+      "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}})";
+  EXPECT_EQ(surface_of(mask).alpha_mode, AlphaMode::mask);
+  // The texture's alpha is compared, so the factor's divides the cutoff.
+  EXPECT_EQ(surface_of(mask).alpha_cutoff, 0.5f);
+  EXPECT_TRUE(scene_of(with_material(mask)).material_opacity.empty());
+  EXPECT_GT(surface_of(R"({"alphaMode": "MASK", "pbrMetallicRoughness":
+      {"baseColorFactor": [1, 1, 1, 0]}})")
+                .alpha_cutoff,
+            1);
+}
+
+TEST(Gltf, UnlitMaterialsEmitTheirColour) {
+  const std::string_view material = R"({"emissiveFactor": [1, 1, 1], "doubleSided": true,
+      "pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "roughnessFactor": 0.25,
+      "baseColorTexture": {"index": 0}}, "normalTexture": {"index": 0},
+      "extensions": {"KHR_materials_unlit": {}}})";
+  EXPECT_EQ(surface_of(material),
+            (StandardSurface{.emission = {1, 0.5f, 0.25f}, .is_unlit = 1, .emission_texture = 0}));
+  EXPECT_EQ(scene_of(with_material(material)).materials[0].color, Rgb(1, 0.5f, 0.25f));
+  EXPECT_TRUE(scene_of(with_material(material)).has_emission());
+}
+
+TEST(Gltf, TexturesThatDoNotFitAreReported) {
+  const std::string_view lost = R"({"name": "Paint", "extensions": {
+      "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": {"index": 0},
+                                  "clearcoatNormalTexture": {"index": 0}},
+      "KHR_materials_specular": {"specularColorTexture": {"index": 0}},
+      "KHR_materials_sheen": {"sheenRoughnessTexture": {"index": 0}}}})";
+  EXPECT_EQ(warnings_of(with_material(lost)),
+            "a.gltf: left out: textures of specular (1: \"Paint\")\n"
+            "a.gltf: left out: textures of clearcoat (2: \"Paint\")\n"
+            "a.gltf: left out: textures of sheen (1: \"Paint\")\n");
+  // A mesh has the coordinates of one texture.
+  const std::string_view moved = R"({"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness":
+      {"metallicRoughnessTexture": {"index": 0, "texCoord": 2}},
+      "normalTexture": {"index": 0, "texCoord": 2}, "emissiveTexture": {"index": 0}})";
+  EXPECT_EQ(warnings_of(with_material(moved)),
+            "a.gltf: left out: emission textures with other coordinates than the material's first "
+            "texture (1: /materials/0)\n");
+  const StandardSurface s = surface_of(moved);
+  EXPECT_EQ(s.normal_texture, 0u);
+  EXPECT_EQ(s.emission_texture, kNoTexture);
+  EXPECT_EQ(s.emission, Rgb());  // else everything would glow
+  // Nothing is read that has no effect.
+  EXPECT_EQ(surface_of(R"({"emissiveTexture": {"index": 0}})").emission_texture, kNoTexture);
+}
+
+TEST(Gltf, UnsoundMaterialsAreRefused) {
+  const auto refusal = [](const std::string& material) {
+    return error(with_material(material).json(), "a.gltf");
+  };
+  EXPECT_THAT(refusal(R"({"pbrMetallicRoughness": {"metallicFactor": 1.5}})"),
+              HasSubstr("/materials/0/pbrMetallicRoughness/metallicFactor: expected a number from "
+                        "0 to 1, found 1.5"));
+  EXPECT_THAT(refusal(R"({"normalTexture": {"index": 1}})"),
+              HasSubstr("/materials/0/normalTexture/index: expected a whole number from 0 to 0"));
+  EXPECT_THAT(refusal(R"({"emissiveFactor": [0, -1, 0]})"),
+              HasSubstr("/materials/0/emissiveFactor/1: expected"));
+  EXPECT_THAT(refusal(R"({"emissiveFactor": [0, 1]})"), HasSubstr("expected 3 numbers"));
+  EXPECT_THAT(refusal(R"({"alphaMode": "MASK", "alphaCutoff": -1})"), HasSubstr("alphaCutoff"));
+  EXPECT_THAT(refusal(R"({"doubleSided": 1})"), HasSubstr("doubleSided: expected true or false"));
+  EXPECT_THAT(
+      refusal(R"({"extensions": {"KHR_materials_ior": {"ior": 0.5}}})"),
+      HasSubstr("/materials/0/extensions/KHR_materials_ior/ior: expected 0, or a number of at "));
+  for (const char* wrong : {R"("KHR_materials_transmission": {"transmissionFactor": 2})",
+                            R"("KHR_materials_volume": {"thicknessFactor": -1})",
+                            R"("KHR_materials_clearcoat": {"clearcoatFactor": "x"})",
+                            R"("KHR_materials_sheen": {"sheenColorFactor": 1})",
+                            R"("KHR_materials_specular": {"specularFactor": -1})",
+                            R"("KHR_materials_emissive_strength": {"emissiveStrength": 1e20})"})
+    EXPECT_THAT(refusal(R"({"extensions": {)" + std::string(wrong) + "}}"),
+                HasSubstr("/materials/0/extensions/KHR_materials_"))
+        << wrong;
+}
+
+/// A square under a light, 5 above.
+Gltf with_light(std::string_view light) {
+  Gltf file = square();
+  file.nodes += R"(, {"translation": [0, 5, 0], "rotation": [-0.70710678118, 0, 0, 0.70710678118],
+      "scale": [2, 2, 2], "extensions": {"KHR_lights_punctual": {"light": 0}}})";
+  file.roots = "0, 1";
+  file.more = R"(, "extensionsRequired": ["KHR_lights_punctual"],
+      "extensions": {"KHR_lights_punctual": {"lights": [)" +
+              std::string(light) + "]}}";
+  return file;
+}
+
+TEST(Gltf, LightsArePhysical) {
+  Gltf file = with_light(R"({"type": "spot", "color": [1, 0.5, 0], "intensity": 40, "range": 9,
+      "spot": {"innerConeAngle": 0.5235987755982988, "outerConeAngle": 0.7853981633974483}})");
+  Scene scene = scene_of(file);
+  ASSERT_EQ(scene.physical_lights.size(), 1u);
+  PhysicalLight light = scene.physical_lights[0];
+  EXPECT_EQ(light.kind, LightKind::spot);
+  EXPECT_EQ(light.color, Rgb(40, 20, 0));
+  EXPECT_EQ(light.position, Vec3f(0, 5, 0));
+  EXPECT_LT(length(light.direction - Vec3f(0, -1, 0)), 1e-6f);
+  EXPECT_FLOAT_EQ(light.opening, 90);
+  EXPECT_FLOAT_EQ(light.falloff, 15);
+  EXPECT_EQ(warnings_of(file), "");
+  // From the axis to 45 degrees.
+  light = scene_of(with_light(R"({"type": "spot", "spot": {}})")).physical_lights[0];
+  EXPECT_EQ(light.color, Rgb(1));
+  EXPECT_FLOAT_EQ(light.opening, 90);
+  EXPECT_FLOAT_EQ(light.falloff, 45);
+  EXPECT_EQ(scene_of(with_light(R"({"type": "point"})")).physical_lights[0].kind, LightKind::point);
+  light = scene_of(with_light(R"({"type": "directional", "intensity": 3})")).physical_lights[0];
+  EXPECT_EQ(light.kind, LightKind::directional);
+  EXPECT_EQ(light.color, Rgb(3));
+}
+
+TEST(Gltf, BrightLightsAreReported) {
+  // 256 pi at a distance of 5 - 0.5 from the middle, up to the small offset along x.
+  EXPECT_EQ(
+      warnings_of(with_light(R"({"type": "point", "intensity": 17000})")),
+      "a.gltf: warning: its lights are about 2^8 times too bright for a display; `exposure` -8 "
+      "shows what they light\n");
+  EXPECT_EQ(warnings_of(with_light(R"({"type": "point", "intensity": 170})")), "");
+  EXPECT_THAT(warnings_of(with_light(R"({"type": "directional", "intensity": 100})")),
+              HasSubstr("about 2^4 times"));
+}
+
+TEST(Gltf, UnsoundLightsAreRefusedOrReported) {
+  const auto refusal = [](std::string_view light) {
+    return error(with_light(light).json(), "a.gltf");
+  };
+  constexpr std::string_view kFirst = "/extensions/KHR_lights_punctual/lights/0/";
+  EXPECT_THAT(refusal(R"({"type": "sun"})"),
+              HasSubstr(std::string(kFirst) + "type: expected directional, point or spot"));
+  EXPECT_THAT(refusal(R"({"type": "point", "intensity": -1})"),
+              HasSubstr(std::string(kFirst) + "intensity: expected a number from 0"));
+  EXPECT_THAT(refusal(R"({"type": "spot", "spot": {"outerConeAngle": 2}})"),
+              HasSubstr(std::string(kFirst) + "spot/outerConeAngle"));
+  Gltf file = with_light(R"({"type": "point"})");
+  replace(file.nodes, "\"light\": 0", "\"light\": 1");
+  EXPECT_THAT(error(file.json(), "a.gltf"),
+              HasSubstr("/nodes/1/extensions/KHR_lights_punctual/light: expected a whole number"));
+  file = with_light(R"({"type": "point", "name": "Lamp"})");
+  replace(file.nodes, "[2, 2, 2]", "[2, 2, 0]");
+  EXPECT_EQ(warnings_of(file), "a.gltf: left out: lights with a scale of 0 (1: \"Lamp\")\n");
 }
 
 TEST(Gltf, TheCameraIsThatOfTheFile) {
@@ -405,9 +640,9 @@ TEST(Gltf, TheCameraIsThatOfTheFile) {
 
 TEST(Gltf, UnknownFeaturesAreRefusedOrReported) {
   Gltf file = square();
-  file.more = R"(, "extensionsUsed": ["KHR_materials_specular"], "animations": [{}])";
+  file.more = R"(, "extensionsUsed": ["KHR_materials_iridescence"], "animations": [{}])";
   EXPECT_THAT(warnings_of(file),
-              AllOf(HasSubstr("left out: extensions (1: \"KHR_materials_specular\")"),
+              AllOf(HasSubstr("left out: extensions (1: \"KHR_materials_iridescence\")"),
                     HasSubstr("left out: animations (1: /animations/0)")));
   file.more = R"(, "extensionsRequired": ["KHR_texture_transform", "KHR_draco_mesh_compression"])";
   EXPECT_THAT(error(file.json(), "a.gltf"),

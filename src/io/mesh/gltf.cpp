@@ -1,5 +1,5 @@
 // glTF 2.0 of Khronos (ISO/IEC 12113), as text with separate files or as one binary file. Its
-// nodes, meshes and base colours become a scene.
+// nodes, meshes, materials, cameras and lights become a scene.
 #include "io/mesh/gltf.h"
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include "io/far_origin.h"
 #include "io/fit_camera.h"
 #include "io/mesh/builder.h"
+#include "io/mesh/gltf_lights.h"
 #include "io/mesh/gltf_paints.h"
 #include "io/mesh/gltf_primitive.h"
 #include "io/mesh/read.h"
@@ -49,6 +50,7 @@ class GltfReader {
     if (!is_seen(scene_) && std::ranges::none_of(scene_.prototypes, is_seen))
       notices_.add_whole(Severity::warning, kNoArea);
     set_camera();
+    set_lights();
     ReadScene out{std::move(scene_), {}};
     append(out.notices, notices_, "");
     return out;
@@ -224,6 +226,24 @@ class GltfReader {
       }
     }
     if (!found) fit_camera(scene_, FitView::three_quarter, {0, 1, 0});
+  }
+
+  void set_lights() {
+    for (const Use& use : nodes_.lights()) {
+      const Lamp& lamp = document_.lights[use.number];
+      if (const auto light = placed_light(lamp.light, use.place, scene_.origin))
+        scene_.physical_lights.push_back(*light);
+      else
+        notices_.add(Severity::left_out, "lights with a scale of 0", lamp.name);
+    }
+    // Exporters write candela or watts, and some expect a camera's exposure.
+    constexpr int kManyStops = 4;
+    if (const int stops = stops_above_white(scene_.physical_lights, bounds(scene_));
+        stops >= kManyStops)
+      notices_.add_whole(Severity::warning,
+                         fmt::format("its lights are about 2^{0} times too bright for a display; "
+                                     "`exposure` -{0} shows what they light",
+                                     stops));
   }
 
   const ReadOptions& options_;

@@ -66,12 +66,34 @@ struct TextureUse {
   uint32_t texture = 0, set = 0;
   std::array<double, 2> offset{0, 0}, scale{1, 1};
   double cosine = 1, sine = 0;  // of the rotation
+
+  bool has_coordinates_of(const TextureUse& other) const {
+    return set == other.set && offset == other.offset && scale == other.scale &&
+           cosine == other.cosine && sine == other.sine;
+  }
 };
+/// The textures of a material that a scene has room for.
+enum class Slot : uint8_t { color, metallic_roughness, normal, emission, transmission };
+inline constexpr std::array<std::string_view, 5> kSlotNames = {
+    "base colour", "metallic-roughness", "normal", "emission", "transmission"};
 struct Paint {
   std::array<float, 4> color{1, 1, 1, 1};  // linear
-  bool blends = false, masks = false;
+  float ior = 1.5f;
+  StandardSurface surface{.metallic = 1, .is_two_sided = 0};          // without its textures
+  std::array<std::optional<TextureUse>, kSlotNames.size()> textures;  // by Slot
   std::string name;  // here and below: for messages, else the JSON pointer
-  std::optional<TextureUse> texture;
+
+  /// The texture whose coordinates a mesh gets: that of the base colour, else the first one.
+  const TextureUse* coordinates() const {
+    for (const auto& use : textures)
+      if (use) return &*use;
+    return nullptr;
+  }
+};
+/// A light of KHR_lights_punctual.
+struct Lamp {
+  PhysicalLight light;  // shines along -z
+  std::string name;
 };
 /// The displacements of a morph target at weight 1.
 struct MorphTarget {
@@ -102,7 +124,7 @@ struct Lens {
 };
 struct Node {
   std::array<double, 12> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // as Matrix
-  Index mesh, camera, skin;
+  Index mesh, camera, skin, light;
   std::vector<uint32_t> children;
   std::vector<double> weights;  // override the mesh's
   /// EXT_mesh_gpu_instancing: accessors of translations, rotations and scales, one element per
@@ -120,6 +142,7 @@ struct Document {
   std::vector<MeshDescription> meshes;
   std::vector<Skin> skins;
   std::vector<Lens> cameras;
+  std::vector<Lamp> lights;
   std::vector<Node> nodes;
   std::vector<uint32_t> roots;  // of the default scene
   Notices notices;              // about skipped data

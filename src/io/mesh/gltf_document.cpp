@@ -10,6 +10,8 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/gltf.h"
 #include "io/mesh/gltf_json.h"
+#include "io/mesh/gltf_lights.h"
+#include "io/mesh/gltf_paint.h"
 #include "io/mesh/gltf_place.h"
 
 namespace raio::core::gltf {
@@ -29,6 +31,7 @@ class Parser {
     read_meshes();
     read_skins();
     read_cameras();
+    read_lights();
     read_nodes();
     read_scene();
     if (const auto animations = root_.find("animations"); animations && animations->size() > 0)
@@ -48,20 +51,11 @@ class Parser {
     for (size_t i = 0; found && i < found->size(); ++i) f((*found)[i]);
   }
   uint32_t index(const Value& value, const char* array) const {
-    const size_t count = std::min(count_of(array), size_t(0xfffffffe));
-    if (count == 0) value.fail(fmt::format("it refers to \"{}\", but the file has none", array));
-    return uint32_t(value.whole(0, count - 1));
+    return index_of(value, array, count_of(array));
   }
   Index find_index(const Value& object, const char* key, const char* array) const {
     const auto value = object.find(key);
     return value ? Index(index(*value, array)) : std::nullopt;
-  }
-
-  // The author's name, else the JSON pointer.
-  static std::string label(const Value& value) {
-    const auto name = value.find("name");
-    return name && name->is_string() && !name->string().empty() ? core::quoted(name->string())
-                                                                : value.pointer();
   }
 
   void check_version() {
@@ -79,16 +73,21 @@ class Parser {
         "a scene in glTF {}; Raio reads glTF 2.0, convert it with gltf-pipeline", version)};
   }
 
-  // Extensions that affect neither geometry nor base colours.
+  // Extensions without which a scene is much the same.
   static bool is_optional(std::string_view name) {
-    static const std::set<std::string_view> kOptional = {
-        "KHR_animation_pointer", "KHR_lights_punctual", "KHR_xmp_json_ld", "MSFT_lod"};
+    static const std::set<std::string_view> kOptional = {"KHR_animation_pointer", "KHR_xmp_json_ld",
+                                                         "MSFT_lod"};
     return name.starts_with("KHR_materials_") || kOptional.contains(name);
   }
 
   void check_extensions() {
     static const std::set<std::string_view> kKnown = {
-        "EXT_mesh_gpu_instancing", "KHR_materials_pbrSpecularGlossiness", "KHR_mesh_quantization",
+        "EXT_mesh_gpu_instancing",    "KHR_lights_punctual",
+        "KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
+        "KHR_materials_ior",          "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_sheen",        "KHR_materials_specular",
+        "KHR_materials_transmission", "KHR_materials_unlit",
+        "KHR_materials_volume",       "KHR_mesh_quantization",
         "KHR_texture_transform"};
     each("extensionsRequired", [&](const Value& value) {
       const std::string& name = value.string();
@@ -188,48 +187,9 @@ class Parser {
     });
   }
 
-  TextureUse texture_use(const Value& value) const {
-    TextureUse use{index(value.at("index"), "textures")};
-    const auto take_set = [&](const Value& from) {
-      if (const auto set = from.find("texCoord")) use.set = uint32_t(set->whole(0, 65535));
-    };
-    take_set(value);
-    if (const auto moved = value.extension("KHR_texture_transform")) {
-      if (const auto offset = moved->find("offset")) use.offset = offset->numbers<2>();
-      if (const auto scale = moved->find("scale")) use.scale = scale->numbers<2>();
-      if (const auto rotation = moved->find("rotation"))
-        use.cosine = exact_cos(rotation->number()), use.sine = exact_sin(rotation->number());
-      take_set(*moved);
-    }
-    return use;
-  }
-
-  void take_base_color(const Value& from, const char* factor, const char* texture,
-                       Paint& paint) const {
-    if (const auto color = from.find(factor)) {
-      const auto numbers = color->numbers<4>();
-      for (size_t i = 0; i < 4; ++i) {
-        if (numbers[i] < 0 || numbers[i] > 1) color->fail_expected("numbers from 0 to 1");
-        paint.color[i] = float(numbers[i]);
-      }
-    }
-    if (const auto use = from.find(texture)) paint.texture = texture_use(*use);
-  }
-
   void read_materials() {
     each("materials", [&](const Value& value) {
-      Paint paint;
-      paint.name = label(value);
-      if (const auto diffuse = value.extension("KHR_materials_pbrSpecularGlossiness"))
-        take_base_color(*diffuse, "diffuseFactor", "diffuseTexture", paint);
-      else if (const auto pbr = value.find("pbrMetallicRoughness"))
-        take_base_color(*pbr, "baseColorFactor", "baseColorTexture", paint);
-      if (const auto mode = value.find("alphaMode")) {
-        paint.blends = mode->string() == "BLEND", paint.masks = mode->string() == "MASK";
-        if (!paint.blends && !paint.masks && mode->string() != "OPAQUE")
-          mode->fail_expected("OPAQUE, MASK or BLEND");
-      }
-      out_.materials.push_back(paint);
+      out_.materials.push_back(paint_of(value, count_of("textures"), out_.notices));
     });
   }
 
@@ -323,6 +283,13 @@ class Parser {
     });
   }
 
+  void read_lights() {
+    const auto lights = root_.extension(kLights);
+    if (!lights) return;
+    const Value all = lights->at("lights");
+    for (size_t i = 0; i < all.size(); ++i) out_.lights.push_back(lamp_of(all[i]));
+  }
+
   void read_nodes() {
     each("nodes", [&](const Value& value) {
       Node node;
@@ -338,6 +305,8 @@ class Parser {
       node.camera = find_index(value, "camera", "cameras");
       node.skin = find_index(value, "skin", "skins");
       node.weights = weights_of(value);
+      if (const auto lights = value.extension(kLights))
+        node.light = index_of(lights->at("light"), "lights", out_.lights.size());
       if (const auto copies = value.extension("EXT_mesh_gpu_instancing")) {
         const Value attributes = copies->at("attributes");
         node.copies = {find_index(attributes, "TRANSLATION", "accessors"),

@@ -11,6 +11,30 @@ std::string text_of(const Json& json) {
   return json.dump();
 }
 
+std::string label(const Value& value) {
+  const auto name = value.find("name");
+  return name && name->is_string() && !name->string().empty() ? core::quoted(name->string())
+                                                              : value.pointer();
+}
+
+uint32_t index_of(const Value& value, const char* array, size_t count) {
+  if (count == 0) value.fail(fmt::format("it refers to \"{}\", but the file has none", array));
+  return uint32_t(value.whole(0, std::min(count, size_t(0xfffffffe)) - 1));
+}
+
+float number_or(float usual, const Value& object, const char* key, double most) {
+  const auto value = object.find(key);
+  return value ? float(value->number(0, most)) : usual;
+}
+
+Rgb color_or(Rgb usual, const Value& object, const char* key, double most) {
+  const auto value = object.find(key);
+  if (!value) return usual;
+  if (value->size() != 3) value->fail_expected("3 numbers");
+  const auto part = [&](size_t i) { return float((*value)[i].number(0, most)); };
+  return {part(0), part(1), part(2)};
+}
+
 Json parse_json(std::string_view text) {
   try {
     return Json::parse(text);

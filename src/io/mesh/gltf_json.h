@@ -86,6 +86,12 @@ class Value {
       fail_expected("a number between -1e30 and 1e30");
     return number;
   }
+  double number(double least, double most) const {
+    const double found = number();
+    if (found < least || found > most)
+      fail_expected(fmt::format("a number from {:g} to {:g}", least, most));
+    return found;
+  }
   const std::string& string() const {
     if (!json_->is_string()) fail_expected("a string");
     return json_->get_ref<const std::string&>();
@@ -106,6 +112,20 @@ class Value {
   const Json* json_;
   std::string pointer_;
 };
+
+/// The author's name of an object, else its JSON pointer.
+std::string label(const Value& value);
+
+/// An index into an array of `count` elements, named in the message.
+uint32_t index_of(const Value& value, const char* array, size_t count);
+
+/// The greatest factor of a light; products of two remain finite.
+inline constexpr double kBrightest = 1e15;
+
+/// A number of the object from 0 to `most`, or `usual` if it is missing.
+float number_or(float usual, const Value& object, const char* key, double most = 1);
+/// A colour, whose components are from 0 to `most`.
+Rgb color_or(Rgb usual, const Value& object, const char* key, double most = 1);
 
 /// A byte count of the object, or `usual` if it is missing.
 inline size_t bytes_or(const Value& object, const char* key, size_t usual) {

@@ -28,6 +28,7 @@ NodeTree::NodeTree(const Document& document, const Buffers& buffers, MemoryCount
     places_[number] = place;
     if (node.mesh) with_mesh.push_back(number);
     if (node.camera) cameras_.push_back({*node.camera, place});
+    if (node.light) lights_.push_back({*node.light, place});
     for (size_t i = node.children.size(); i-- > 0;) open.emplace_back(node.children[i], place);
   }
   for (const uint32_t number : with_mesh) add_mesh_uses(number);

@@ -9,7 +9,7 @@
 
 namespace raio::core::gltf {
 
-/// A mesh or camera with its transformation.
+/// A mesh, camera or light with its transformation.
 struct Use {
   uint32_t number = 0;
   Transform place;
@@ -31,6 +31,7 @@ class NodeTree {
   const std::vector<Use>& meshes() const { return meshes_; }
   const std::vector<PosedUse>& posed() const { return posed_; }
   const std::vector<Use>& cameras() const { return cameras_; }
+  const std::vector<Use>& lights() const { return lights_; }
 
   /// The transformation from mesh to scene of each joint of a skin.
   const std::vector<Transform>& bones_of(uint32_t number);
@@ -43,7 +44,7 @@ class NodeTree {
   const Buffers& buffers_;
   MemoryCount& memory_;
   Notices& notices_;
-  std::vector<Use> meshes_, cameras_;
+  std::vector<Use> meshes_, cameras_, lights_;
   std::vector<PosedUse> posed_;
   std::vector<std::vector<Transform>> bones_;     // by skin, computed on first use
   std::vector<std::optional<Transform>> places_;  // by node; none outside the scene

@@ -20,6 +20,18 @@ class Pictures {
         scene_(scene),
         notices_(notices) {}
 
+  uint32_t texture_of(const Paint& paint, Slot slot) {
+    const auto& use = paint.textures[size_t(slot)];
+    if (!use) return kNoTexture;
+    if (use->has_coordinates_of(*paint.coordinates())) return texture_of(use->texture);
+    notices_.add(Severity::left_out,
+                 fmt::format("{} textures with other coordinates than the material's first texture",
+                             kSlotNames[size_t(slot)]),
+                 paint.name);
+    return kNoTexture;
+  }
+
+ private:
   uint32_t texture_of(uint32_t number) {
     const PictureTexture& texture = document_.textures[number];
     if (!texture.image) {
@@ -35,7 +47,6 @@ class Pictures {
     return kNoTexture;
   }
 
- private:
   void tell(std::string_view why) {
     notices_.add(Severity::left_out, "unreadable textures, replaced by plain colours", why);
   }
@@ -62,6 +73,22 @@ class Pictures {
   TextureReader textures_;
 };
 
+StandardSurface surface_of(const Paint& paint, uint32_t color_texture, Pictures& pictures) {
+  StandardSurface out = paint.surface;
+  // Without its texture, a factor would apply everywhere, and most are 1.
+  const auto take = [&](Slot slot, uint32_t& texture, auto&... factors) {
+    if (!paint.textures[size_t(slot)]) return;
+    texture = pictures.texture_of(paint, slot);
+    if (texture == kNoTexture) ((factors = {}), ...);
+  };
+  take(Slot::metallic_roughness, out.metallic_roughness_texture, out.metallic);
+  take(Slot::normal, out.normal_texture);
+  take(Slot::emission, out.emission_texture, out.emission);
+  take(Slot::transmission, out.transmission_texture, out.transmission);
+  if (out.is_unlit) out.emission_texture = color_texture;
+  return out;
+}
+
 }  // namespace
 
 Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptions& options,
@@ -80,18 +107,25 @@ Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptio
   for (const Use& use : nodes.meshes()) take(use);
   for (const Use& use : nodes.posed()) take(use);
   of_.resize(used.size());
+  // All base colours first, in case the textures are too many.
+  std::vector<uint32_t> textures(used.size(), kNoTexture);
+  for (size_t i = 0; i < used.size(); ++i)
+    if (used[i]) textures[i] = pictures.texture_of(document.materials[i], Slot::color);
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     const Paint& paint = document.materials[i];
-    const uint32_t texture =
-        paint.texture ? pictures.texture_of(paint.texture->texture) : kNoTexture;
-    if (texture != kNoTexture && (paint.blends || paint.masks))
+    if (textures[i] != kNoTexture && paint.surface.alpha_mode != AlphaMode::opaque)
       notices.add(Severity::left_out, "alpha of textures", paint.name);
     const Rgb color(paint.color[0], paint.color[1], paint.color[2]);
-    of_[i] = scene.add_material({.color = color, .kd = 1}, Rgb(1), 0,
-                                paint.blends ? paint.color[3] : 1, texture);
+    const bool blends = paint.surface.alpha_mode == AlphaMode::blend;
+    of_[i] = scene.add_material({.color = color, .kd = 1, .ior = paint.ior}, Rgb(1), 0,
+                                blends ? paint.color[3] : 1, textures[i]);
+    scene.set_standard_surface(surface_of(paint, textures[i], pictures));
   }
-  if (any_plain || scene.materials.empty()) plain_ = scene.add_material({.color = Rgb(1), .kd = 1});
+  if (!any_plain && !scene.materials.empty()) return;
+  const Paint plain;
+  plain_ = scene.add_material({.color = Rgb(1), .kd = 1, .ior = plain.ior});
+  scene.set_standard_surface(plain.surface);
 }
 
 }  // namespace raio::core::gltf

@@ -107,7 +107,7 @@ Mesh PrimitiveReader::mesh_of(const MeshPrimitive& p, const std::string& what) {
       p.indices ? std::optional<Elements>(std::in_place, document_, buffers_, *p.indices, 1, 1)
                 : std::nullopt;
   const Paint* const paint = p.material ? &document_.materials[*p.material] : nullptr;
-  const TextureUse* const use = paint && paint->texture ? &*paint->texture : nullptr;
+  const TextureUse* const use = paint ? paint->coordinates() : nullptr;
   Index coordinates;
   for (const auto& [set, accessor] : p.uv)
     if (set == (use ? use->set : 0)) coordinates = accessor;
