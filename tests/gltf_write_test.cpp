@@ -129,6 +129,67 @@ TEST(GltfWrite, TexturesReadBack) {
     EXPECT_EQ(again.texels[to.first + i], scene.texels[from.first + i]) << i;
 }
 
+TEST(GltfWrite, AlphaOfTexturesReadsBack) {
+  Scene scene = mesh_scene();
+  for (uint32_t& texel : scene.texels) texel |= (texel & 255) << 24;  // also wholly transparent
+  scene.texels[3] |= 0xff000000;
+  const Scene again = read_again(scene);
+  for (uint32_t i = 0; i < 4; ++i)
+    EXPECT_EQ(again.texels[again.textures[0].first + i], scene.texels[2 + i]) << i;
+}
+
+// As read from a file, whose surfaces are those of its materials.
+void expect_same_surface(Material material, const StandardSurface& surface) {
+  Scene scene = mesh_scene();
+  scene.materials = {}, scene.material_texture = {};
+  material.kd = 1;
+  scene.add_material(material, Rgb(1), 0, 1, surface.is_unlit ? 1 : kNoTexture);
+  scene.set_standard_surface(surface);
+  scene.meshes[0].materials = {0};
+  const Scene again = read_again(scene);
+  EXPECT_EQ(not_in_gltf(scene), "");
+  EXPECT_EQ(again.materials[0], material);
+  StandardSurface found = *again.standard_surface_of(0);
+  // Textures have other numbers, and all the same picture.
+  for (uint32_t StandardSurface::* texture :
+       {&StandardSurface::metallic_roughness_texture, &StandardSurface::normal_texture,
+        &StandardSurface::emission_texture, &StandardSurface::transmission_texture})
+    if (found.*texture != kNoTexture) {
+      EXPECT_EQ(again.textures[found.*texture].width, 4u);
+      found.*texture = 1;
+    }
+  EXPECT_EQ(found, surface);
+}
+
+TEST(GltfWrite, StandardSurfacesReadBack) {
+  expect_same_surface({.ior = 1.5f}, {});
+  expect_same_surface({.color = {0.1f, 0.2f, 0.3f}, .ior = 1.5f}, {.metallic = 0.3f,
+                                                                   .roughness = 0.7f,
+                                                                   .emission = {4, 2, 1},
+                                                                   .is_two_sided = 0,
+                                                                   .alpha_mode = AlphaMode::mask,
+                                                                   .alpha_cutoff = 0.3f,
+                                                                   .normal_scale = 0.7f,
+                                                                   .metallic_roughness_texture = 1,
+                                                                   .normal_texture = 1,
+                                                                   .emission_texture = 1});
+  expect_same_surface({.ior = 1.33f}, {.specular = 0.3f,
+                                       .specular_color = {3, 1, 0.1f},
+                                       .transmission = 0.9f,
+                                       .is_thin = 0,
+                                       .attenuation_color = {0.9f, 0.1f, 0.2f},
+                                       .attenuation_distance = 0.1f,
+                                       .alpha_mode = AlphaMode::blend,
+                                       .transmission_texture = 1});
+  expect_same_surface({.ior = 1.5f}, {.emission = {0.1f, 0.2f, 0.3f},
+                                      .coat = 0.3f,
+                                      .coat_roughness = 0.1f,
+                                      .sheen_color = {0.1f, 0.2f, 0.7f},
+                                      .sheen_roughness = 0.3f});
+  expect_same_surface({.color = {0.1f, 0.2f, 0.3f}, .ior = 1.5f},
+                      {.emission = {0.1f, 0.2f, 0.3f}, .is_unlit = 1, .emission_texture = 1});
+}
+
 TEST(GltfWrite, FacesOfPoolsReadBack) {
   Scene scene = with_triangle();
   scene.add_material({.color = Rgb(0, 1, 0), .kd = 1}, Rgb(1), 0, 0.25f);
@@ -232,6 +293,30 @@ TEST(GltfWrite, LightsAreEquallyBrightAtTheMiddle) {
   };
   EXPECT_EQ(places(0), json({3.0, 0.0, 0.0}));
   EXPECT_EQ(places(1), json({0.0, -8.0, 0.0}));
+}
+
+TEST(GltfWrite, PhysicalLightsReadBack) {
+  Scene scene = with_triangle();
+  scene.origin = Vec3d(5'400'000, 0, 0);
+  const Vec3f down = normalize(Vec3f(1, -2, 0.5f));
+  scene.physical_lights = {
+      {.kind = LightKind::point, .color = {3, 6, 1.5f}, .position = {1, 2, 3}},
+      {.kind = LightKind::directional, .color = Rgb(0.5f), .direction = down},
+      {.kind = LightKind::spot, .direction = {0, -1, 0}, .opening = 60, .falloff = 10}};
+  EXPECT_EQ(not_in_gltf(scene), "");
+  const Scene again = read_again(scene);
+  ASSERT_EQ(again.physical_lights.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    const PhysicalLight &a = scene.physical_lights[i], &b = again.physical_lights[i];
+    EXPECT_EQ(b.kind, a.kind);
+    EXPECT_EQ(b.color, a.color);
+    EXPECT_EQ(Vec3d(b.position) + again.origin, Vec3d(a.position) + scene.origin);
+    if (i > 0) EXPECT_LT(length(b.direction - a.direction), 1e-6f);
+  }
+  EXPECT_FLOAT_EQ(again.physical_lights[2].opening, 60);
+  EXPECT_FLOAT_EQ(again.physical_lights[2].falloff, 10);
+  scene.physical_lights.push_back({.kind = LightKind::quad});
+  EXPECT_EQ(not_in_gltf(scene), "1 physical light");
 }
 
 // --- materials
@@ -530,6 +615,21 @@ TEST_F(GltfCommandLine, ConvertsWithANotice) {
   }
   expect_refusal({"convert", "two.xyz", "no/two.glb"}, 3, "no/two.glb");
   EXPECT_FALSE(std::filesystem::exists(file("no")));
+}
+
+TEST_F(GltfCommandLine, SurfacesAreCounted) {
+  Scene scene = mesh_scene();
+  scene.standard_surfaces = {{.emission = {0, 1, 0}}, {}};
+  scene.physical_lights = {{.position = {0, 0, 5}}};
+  ASSERT_TRUE(write_scene(scene, file("a.glb")));
+  const std::string text = raio({"info", "a.glb"}).out;
+  EXPECT_THAT(text, HasSubstr("2 with the parameters of glTF, of which 1 emit light"));
+  EXPECT_THAT(text, HasSubstr("lights      1\n            1 point, in physical units"));
+  const json materials = json::parse(raio({"info", "--json", "a.glb"}).out)["materials"];
+  EXPECT_EQ(materials["standard"], 2);
+  EXPECT_EQ(materials["emitting"], 1);
+  for (const SceneFormat format : {SceneFormat::nff, SceneFormat::pov, SceneFormat::ply})
+    EXPECT_THAT(lost_features(scene, format), HasSubstr("glTF's parameters of 2 materials"));
 }
 
 // Everything in a scene is written or reported as lost.

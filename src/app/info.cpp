@@ -12,6 +12,7 @@
 #include "base/exact_math.h"
 #include "draw/annotations.h"
 #include "io/fit_camera.h"
+#include "io/plain_scene.h"
 #include "io/scene_file.h"
 #include "render/options.h"
 #include "scene/cube_map.h"
@@ -39,13 +40,17 @@ std::string text_of(Vec3d v, double size) {
 }
 
 struct MaterialCounts {
-  size_t reflecting = 0, refracting = 0;
+  size_t reflecting = 0, refracting = 0, standard = 0, emitting = 0;
 };
 
 MaterialCounts count_materials(const Scene& scene) {
   return {
       size_t(std::ranges::count_if(scene.materials, [](auto& m) { return m.ks > 0; })),
-      size_t(std::ranges::count_if(scene.materials, [](auto& m) { return m.transmission > 0; }))};
+      size_t(std::ranges::count_if(scene.materials, [](auto& m) { return m.transmission > 0; })),
+      count_standard_surfaces(scene),
+      size_t(std::ranges::count_if(scene.standard_surfaces, [](const StandardSurface& s) {
+        return s.is_standard && s.emission != Rgb();
+      }))};
 }
 
 std::string info_json(const ReadScene& read) {
@@ -110,7 +115,9 @@ std::string info_json(const ReadScene& read) {
   const MaterialCounts materials = count_materials(scene);
   json["materials"] = {{"count", scene.materials.size()},
                        {"reflecting", materials.reflecting},
-                       {"refracting", materials.refracting}};
+                       {"refracting", materials.refracting},
+                       {"standard", materials.standard},
+                       {"emitting", materials.emitting}};
   json["textures"] = {{"count", scene.textures.size()}, {"texels", scene.texels.size()}};
   json["memory_bytes"] = memory_bytes(scene);
   json["frames"] = read.frames > 0 ? Json(read.frames) : Json(nullptr);
@@ -199,8 +206,9 @@ std::string info_text(const ReadScene& read) {
                     (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
                                : ", which could not be read"));
 
-  line("lights", is_data && scene.lights.empty() ? "none; a sky and a key light are added"
-                                                 : fmt::format("{}", scene.lights.size()));
+  const size_t lights = scene.lights.size() + scene.physical_lights.size();
+  line("lights", is_data && lights == 0 ? "none; a sky and a key light are added"
+                                        : fmt::format("{}", lights));
   constexpr size_t kShown = 10;
   for (const Light& light : scene.lights | std::views::take(kShown)) {
     std::string text = fmt::format("at {}", place_text(light.position));
@@ -212,8 +220,8 @@ std::string info_text(const ReadScene& read) {
   if (scene.lights.size() > kShown)
     line("", fmt::format("and {} more", scene.lights.size() - kShown));
 
-  if (const std::string lights = physical_lights_text(scene); !lights.empty())
-    line("", lights + ", in physical units");
+  if (const std::string physical = physical_lights_text(scene); !physical.empty())
+    line("", physical + ", in physical units");
   for (const Environment& e : scene.environment)
     line("environment",
          fmt::format("{}x{}{}", e.width, e.height, e.visible ? "" : ", not visible"));
@@ -221,6 +229,9 @@ std::string info_text(const ReadScene& read) {
   const MaterialCounts materials = count_materials(scene);
   line("materials", fmt::format("{}, of which {} reflect and {} refract", scene.materials.size(),
                                 materials.reflecting, materials.refracting));
+  if (materials.standard > 0)
+    line("", fmt::format("{} with the parameters of glTF, of which {} emit light",
+                         materials.standard, materials.emitting));
   if (!scene.textures.empty())
     line("textures", fmt::format("{}, {} texels", scene.textures.size(), scene.texels.size()));
   if (const auto& c = read.colors)

@@ -1,5 +1,6 @@
 #include "io/plain_scene.h"
 
+#include <algorithm>
 #include <bit>
 #include <unordered_map>
 
@@ -74,6 +75,11 @@ void append(const Mesh& mesh, Scene& to) {
 }  // namespace
 
 bool is_plain(const Scene& scene) { return !any_colors(scene) && scene.meshes.empty(); }
+
+size_t count_standard_surfaces(const Scene& scene) {
+  return size_t(std::ranges::count_if(scene.standard_surfaces,
+                                      [](const StandardSurface& s) { return s.is_standard != 0; }));
+}
 
 Scene plain_scene(const Scene& scene) {
   Scene plain = scene;

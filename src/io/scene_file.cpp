@@ -243,12 +243,14 @@ std::expected<SceneFormat, Error> scene_format(const fs::path& path) {
 
 std::string lost_features(const Scene& scene, SceneFormat format) {
   if (format == SceneFormat::raio) return "";
-  if (format == SceneFormat::ply) return not_in_ply(scene);
   if (format == SceneFormat::gltf) return not_in_gltf(scene);
-  std::string lost = text_of(scene, kNotPlain);
+  std::string lost = format == SceneFormat::ply ? not_in_ply(scene) : text_of(scene, kNotPlain);
   const auto add = [&](std::string_view more) {
     lost += (lost.empty() || more.empty() ? "" : ", ") + std::string(more);
   };
+  if (const size_t count = count_standard_surfaces(scene); count > 0)
+    add(fmt::format("glTF's parameters of {} material{}", count, count == 1 ? "" : "s"));
+  if (format == SceneFormat::ply) return lost;
   if (format == SceneFormat::nff && scene.dialect == Dialect::nff)
     add(text_of(scene, {Feature::specular_colors, Feature::roughness, Feature::sky}));
   add(text_of(scene, {Feature::all_directions}));

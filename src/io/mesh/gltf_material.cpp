@@ -16,6 +16,12 @@ class GltfMaterial {
       : scene_(scene), look_(look), m_(scene.materials[look.material]) {}
 
   Json json() const {
+    const StandardSurface* const surface = scene_.standard_surface_of(look_.material);
+    return surface ? json_of(*surface) : json_of_classic();
+  }
+
+ private:
+  Json json_of_classic() const {
     // Raio shows both sides of surfaces.
     Json out = {{"doubleSided", true}};
     const double transmitted = std::clamp(double(m_.transmission), 0.0, 1.0);
@@ -38,13 +44,82 @@ class GltfMaterial {
     pbr["baseColorFactor"] = {base.x, base.y, base.z, double(look_.opacity)};
     pbr["metallicFactor"] = metallic;
     pbr["roughnessFactor"] = roughness();
-    if (look_.textured)
-      pbr["baseColorTexture"] = {{"index", scene_.material_texture[look_.material]}};
+    put_texture(pbr, "baseColorTexture", scene_.texture_of(look_.material));
     if (look_.opacity < 1) out["alphaMode"] = "BLEND";
     return out;
   }
 
- private:
+  Json json_of(const StandardSurface& s) const {
+    Json out = {{"doubleSided", s.is_two_sided != 0}};
+    Json& pbr = out["pbrMetallicRoughness"];
+    const Vec3d base = light(look_.color);
+    pbr = {{"baseColorFactor", {base.x, base.y, base.z, double(look_.opacity)}},
+           {"metallicFactor", s.metallic},
+           {"roughnessFactor", s.roughness}};
+    put_texture(pbr, "baseColorTexture", scene_.texture_of(look_.material));
+    if (s.alpha_mode == AlphaMode::mask)
+      out["alphaMode"] = "MASK", out["alphaCutoff"] = s.alpha_cutoff;
+    else if (s.alpha_mode == AlphaMode::blend || look_.opacity < 1)
+      out["alphaMode"] = "BLEND";
+    if (s.is_unlit) {
+      out["extensions"]["KHR_materials_unlit"] = Json::object();
+      return out;
+    }
+    put_texture(pbr, "metallicRoughnessTexture", s.metallic_roughness_texture);
+    if (put_texture(out, "normalTexture", s.normal_texture))
+      out["normalTexture"]["scale"] = s.normal_scale;
+    put_emission(s, out);
+    if (Json extensions = extensions_of(s); !extensions.empty())
+      for (auto& [name, value] : extensions.items()) out["extensions"][name] = std::move(value);
+    return out;
+  }
+
+  bool put_texture(Json& to, const char* key, uint32_t texture) const {
+    if (!look_.textured || texture == kNoTexture) return false;
+    to[key] = {{"index", texture}};
+    return true;
+  }
+
+  static Json numbers(Rgb color) { return {double(color.x), double(color.y), double(color.z)}; }
+
+  void put_emission(const StandardSurface& s, Json& out) const {
+    if (s.emission == Rgb()) return;
+    const float strength = std::max(1.0f, max_component(s.emission));
+    out["emissiveFactor"] = numbers(s.emission / strength);
+    put_texture(out, "emissiveTexture", s.emission_texture);
+    if (strength > 1)
+      out["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+  }
+
+  // Those whose numbers are not the defaults.
+  Json extensions_of(const StandardSurface& s) const {
+    const StandardSurface usual;
+    Json out = Json::object();
+    if (m_.ior != kUsualIor) out["KHR_materials_ior"] = {{"ior", std::max(1.0f, m_.ior)}};
+    if (s.specular != usual.specular || s.specular_color != usual.specular_color)
+      out["KHR_materials_specular"] = {{"specularFactor", s.specular},
+                                       {"specularColorFactor", numbers(s.specular_color)}};
+    if (s.transmission > 0) {
+      Json& transmission = out["KHR_materials_transmission"];
+      transmission["transmissionFactor"] = s.transmission;
+      put_texture(transmission, "transmissionTexture", s.transmission_texture);
+    }
+    if (!s.is_thin) {
+      Json& volume = out["KHR_materials_volume"];
+      volume = {{"thicknessFactor", 1}, {"attenuationColor", numbers(s.attenuation_color)}};
+      if (s.attenuation_distance > 0) volume["attenuationDistance"] = s.attenuation_distance;
+    }
+    if (s.coat > 0)
+      out["KHR_materials_clearcoat"] = {{"clearcoatFactor", s.coat},
+                                        {"clearcoatRoughnessFactor", s.coat_roughness}};
+    if (s.sheen_color != usual.sheen_color)
+      out["KHR_materials_sheen"] = {{"sheenColorFactor", numbers(s.sheen_color)},
+                                    {"sheenRoughnessFactor", s.sheen_roughness}};
+    return out;
+  }
+
+  // Index of refraction in glTF without its extension.
+  static constexpr float kUsualIor = 1.5f;
   // Reflectance of a non-metal in glTF.
   static constexpr double kDielectric = 0.04;
 

@@ -7,8 +7,8 @@
 
 namespace raio::core::gltf {
 
-/// The metallic-roughness material with the same reflectance. Texture indices are those of the
-/// scene.
+/// A standard surface as it is, else the metallic-roughness material with the same reflectance.
+/// Texture indices are those of the scene.
 nlohmann::json material_of(const Scene& scene, const GltfAppearance& look);
 
 }  // namespace raio::core::gltf

@@ -133,6 +133,13 @@ class Gatherer {
                          : *color,
             opacity >= 0 ? opacity : whole_.opacity_of(id)};
   }
+  bool has_texture(MaterialId id) const {
+    const auto is_one = [](uint32_t texture) { return texture != kNoTexture; };
+    const StandardSurface* const s = whole_.standard_surface_of(id);
+    return is_one(whole_.texture_of(id)) ||
+           (s && (is_one(s->metallic_roughness_texture) || is_one(s->normal_texture) ||
+                  is_one(s->emission_texture) || is_one(s->transmission_texture)));
+  }
   uint32_t number_of(const GltfAppearance& look) {
     const auto [at, is_new] = looks_.try_emplace(look, uint32_t(out_.looks.size()));
     if (is_new) out_.looks.push_back(look);
@@ -213,7 +220,7 @@ class Gatherer {
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
       const MaterialId id = mesh.materials[mesh.materials.size() == 1 ? 0 : i];
       GltfAppearance look = look_of(id, nullptr, -1, true);
-      look.textured = !mesh.uv.empty() && whole_.texture_of(id) != kNoTexture;
+      look.textured = !mesh.uv.empty() && has_texture(id);
       const bool smooth = !mesh.normals.empty() && normals[i][0] != kNoNormal;
       const Columns columns{number_of(look), smooth, !mesh.uv.empty(), !mesh.colors.empty()};
       std::array<Corner, 3> corners;

@@ -17,7 +17,7 @@ struct GltfAppearance {
   MaterialId material = 0;
   Rgb color;
   float opacity = 1;
-  uint32_t textured = 0;  // whether the material's texture applies: 0 or 1
+  uint32_t textured = 0;  // whether the material's textures apply: 0 or 1
 
   friend bool operator==(const GltfAppearance&, const GltfAppearance&) = default;
 };

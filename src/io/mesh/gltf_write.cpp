@@ -13,6 +13,7 @@
 #include "base/srgb.h"
 #include "io/fit_camera.h"
 #include "io/image/codecs.h"
+#include "io/mesh/gltf_lights.h"
 #include "io/mesh/gltf_material.h"
 #include "io/mesh/gltf_parts.h"
 #include "io/mesh/write.h"
@@ -48,6 +49,8 @@ class GltfWriter {
     add_object(0, 0);
     add_camera();
     for (const Light& light : scene_.lights) add_light(light);
+    for (const PhysicalLight& light : scene_.physical_lights)
+      if (is_punctual(light)) add_light_node(json_of(light), node_at(place_of(light)));
     return std::move(json_);
   }
   std::string_view binary() const { return binary_; }
@@ -99,12 +102,17 @@ class GltfWriter {
   void add_textures() {
     for (const Texture& texture : scene_.textures) {
       Image image(int(texture.width), int(texture.height));
+      Column<float> alpha(image.pixels.size());
       for (size_t i = 0; i < image.pixels.size(); ++i) {
         const uint32_t texel = scene_.texels[texture.first + i];
         const auto part = [&](int shift) { return float(texel >> shift & 255) / 255; };
         image.pixels[i] = Rgb(part(0), part(8), part(16));
+        alpha[i] = 1 - part(24);
       }
-      const size_t view = add_view(encode_png(image, {}).value());
+      PictureView picture(image);
+      picture.is_straight = true;
+      if (std::ranges::any_of(alpha, [](float a) { return a < 1; })) picture.alpha = alpha;
+      const size_t view = add_view(encode_png(picture, {}).value());
       constexpr std::array kWraps = {10497, 33071, 33648};  // in the order of TextureWrap
       add("samplers",
           {{"wrapS", kWraps[size_t(texture.wrap_u)]}, {"wrapT", kWraps[size_t(texture.wrap_v)]}});
@@ -223,15 +231,17 @@ class GltfWriter {
     const Vec3d middle =
         box.empty() ? Vec3d(scene_.camera.at) : (Vec3d(box.lo) + Vec3d(box.hi)) * 0.5;
     const Vec3d way = Vec3d(light.position) - middle;
-    use("KHR_lights_punctual");
-    Json& all = json_["extensions"]["KHR_lights_punctual"]["lights"];
+    add_light_node({{"type", "point"},
+                    {"color", numbers(most > 0 ? Vec3d(color) / most : Vec3d(1))},
+                    {"intensity", most * std::numbers::pi * dot(way, way)}},
+                   {{"translation", numbers(light.position)}});
+  }
+  void add_light_node(Json light, Json node) {
+    use(kLights);
+    Json& all = json_["extensions"][kLights]["lights"];
     if (all.is_null()) all = Json::array();
-    const size_t number =
-        append(all, {{"type", "point"},
-                     {"color", numbers(most > 0 ? Vec3d(color) / most : Vec3d(1))},
-                     {"intensity", most * std::numbers::pi * dot(way, way)}});
-    add_node({{"translation", numbers(light.position)},
-              {"extensions", {{"KHR_lights_punctual", {{"light", number}}}}}});
+    node["extensions"][kLights]["light"] = append(all, std::move(light));
+    add_node(std::move(node));
   }
 
   const Scene& scene_;
@@ -328,9 +338,10 @@ std::string not_in_gltf(const Scene& scene) {
   add(count(scene.planes.size(), "plane"));
   if (const size_t curved = count_curved(scene); curved > 0)
     add(fmt::format("the exact form of {}, replaced by triangles", count(curved, "round shape")));
-  add(text_of(scene,
-              {Feature::object_names, Feature::roughness, Feature::light_extents, Feature::movement,
-               Feature::physical_lights, Feature::environment, Feature::all_directions}));
+  add(text_of(scene, {Feature::object_names, Feature::roughness, Feature::light_extents,
+                      Feature::movement, Feature::environment, Feature::all_directions}));
+  const auto is_lost = [](const PhysicalLight& light) { return !is_punctual(light); };
+  add(count(size_t(std::ranges::count_if(scene.physical_lights, is_lost)), "physical light"));
   if (scene.dialect != Dialect::data) add("the background");
   if (scene.camera.lens_radius.value_or(0) > 0) add("the camera's lens");
   return lost;
