@@ -11,7 +11,14 @@ find_package(nanobind CONFIG REQUIRED)
 if(NOT TARGET raio_static)
   make_library(raio_static STATIC)
 endif()
-nanobind_add_module(raio_python STABLE_ABI NB_STATIC python/module.cpp)
+if(APPLE AND CMAKE_CROSSCOMPILING)  # zig makes no bundles, and reads no list of Python's symbols
+  function(nanobind_link_options target)
+    target_link_options(${target} PRIVATE -shared LINKER:-undefined,dynamic_lookup)
+  endfunction()
+endif()
+# Without the GIL, too, where Python has none: the package changes no object of the module that another thread can
+# reach.
+nanobind_add_module(raio_python STABLE_ABI FREE_THREADED NB_STATIC python/module.cpp)
 # build/PRESET/python holds the whole package, for tests.
 set(package ${PROJECT_BINARY_DIR}/python/raio)
 set_target_properties(raio_python PROPERTIES OUTPUT_NAME _raio LIBRARY_OUTPUT_DIRECTORY ${package})
@@ -21,7 +28,7 @@ add_custom_target(raio_package ALL
 add_dependencies(raio_package raio_python)
 target_link_libraries(raio_python PRIVATE raio_static)
 # nanobind's headers use stderr without including its header.
-foreach(target raio_python nanobind-static nanobind-static-abi3)
+foreach(target raio_python nanobind-static nanobind-static-abi3 nanobind-static-ft)
   if(TARGET ${target})
     target_compile_options(${target} PRIVATE -include stdio.h)
   endif()

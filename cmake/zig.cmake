@@ -8,6 +8,7 @@ set(CMAKE_CXX_COMPILER ${RAIO_ZIG}/bin/c++)
 set(CMAKE_AR ${RAIO_ZIG}/bin/ar)
 set(CMAKE_RANLIB ${RAIO_ZIG}/bin/ranlib)
 set(CMAKE_RC_COMPILER ${RAIO_ZIG}/bin/rc)  # for Windows
+set(CMAKE_INSTALL_NAME_TOOL false)  # for macOS: CMake demands it, and nothing calls it
 
 set(CMAKE_FIND_ROOT_PATH ${RAIO_ZIG})
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
