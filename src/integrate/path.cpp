@@ -152,6 +152,8 @@ class PathShading final : public Shading {
       store(world, dir_, i), store(weight, weight_, i), store(next.pdf, pdf_, i);
       store(start(v, i, geometric, across), origin_, i);
       store(hn::IfThenElse(continues, across, hn::Zero(d)), across_, i);
+      if (path_.any_alpha)
+        pass_through(w, materials, i, n, inside, sampler.in_unit(place, branch, kAlpha));
     }
     if (samples_lights)
       add_lit(w, n, sampler, kSkyDepth,
@@ -259,6 +261,35 @@ class PathShading final : public Shading {
   static float density_of(const TriangleLight& t, Vec3f dir, float distance) {
     const float cosine = std::abs(dot(dir, t.normal));
     return cosine > 0 ? distance * distance / (cosine * t.area) : 0;
+  }
+
+  // Rays that pass the alpha of a texture go straight on, without shading. Shadow rays do not pass,
+  // so what is behind is only found by the path: the density is 0.
+  void pass_through(Wavefront& w, const Materials& materials, size_t i, size_t n, const V3& inside,
+                    V choice) {
+    SurfacePoints& v = w.points();
+    HWY_ALIGN float u[kWidth], left[3][kWidth];
+    hn::Store(choice, d, u);
+    hn::Store(inside.x, d, left[0]), hn::Store(inside.y, d, left[1]);
+    hn::Store(inside.z, d, left[2]);
+    for (size_t k = 0; k < std::min(kWidth, n - i); ++k) {
+      const PathMaterial& m = materials[k];
+      if (m.alpha_texture == kNoTexture) continue;
+      const size_t at = i + k;
+      const float alpha = texture_at(w, at, m.alpha_texture, [](auto&&... place) {
+                            return Rgb(texture_alpha(place...));
+                          }).x;
+      if (m.alpha_cutoff < 0 ? u[k] < alpha : alpha >= m.alpha_cutoff) continue;
+      const auto vector = [&](const Floats3& f) {
+        return Vec3f(f.x.at[at], f.y.at[at], f.z.at[at]);
+      };
+      dir_.set(at, w.rays().rays[at].dir);
+      origin_.set(at, offset_origin(vector(v.point), vector(v.geometric), v.scale.at[at], false));
+      weight_.set(at, {left[0][k], left[1][k], left[2][k]});
+      pdf_.at[at] = 0, across_.at[at] = -1;
+      w.shadow_rays().tmax[at] = -1;
+      v.radiance.set(at, {});
+    }
   }
 
   Lobes lobes_of(const Wavefront& w, const Materials& materials, size_t i, V side) const {

@@ -29,7 +29,7 @@ PathMaterial mapped(const Material& m, Rgb specular, float roughness) {
   return out;
 }
 
-PathMaterial mapped(const Material& m, const StandardSurface& s) {
+PathMaterial mapped(const Material& m, const StandardSurface& s, uint32_t base_texture) {
   PathMaterial out;
   out.metallic = s.metallic, out.roughness = s.roughness;
   out.specular = s.specular_color * s.specular;
@@ -45,6 +45,8 @@ PathMaterial mapped(const Material& m, const StandardSurface& s) {
   out.metallic_roughness_texture = s.metallic_roughness_texture;
   out.normal_texture = s.normal_texture, out.emission_texture = s.emission_texture;
   out.transmission_texture = s.transmission_texture;
+  if (s.alpha_mode != AlphaMode::opaque) out.alpha_texture = base_texture;
+  if (s.alpha_mode == AlphaMode::mask) out.alpha_cutoff = s.alpha_cutoff;
   return out;
 }
 
@@ -170,12 +172,13 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
   for (MaterialId id = 0; id < scene.materials.size(); ++id) {
     const StandardSurface* const surface = scene.standard_surface_of(id);
     const Material& m = scene.materials[id];
-    PathMaterial out =
-        surface ? mapped(m, *surface) : mapped(m, scene.specular_of(id), scene.roughness_of(id));
+    PathMaterial out = surface ? mapped(m, *surface, scene.texture_of(id))
+                               : mapped(m, scene.specular_of(id), scene.roughness_of(id));
     any_textures |=
         surface &&
         (out.metallic_roughness_texture != kNoTexture || out.normal_texture != kNoTexture ||
          out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
+    any_alpha |= out.alpha_texture != kNoTexture;
     out.conductor = energy.conductor();
     if (out.ior != 1) {
       const auto tables = energy.dielectric(out.ior);

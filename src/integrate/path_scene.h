@@ -29,6 +29,8 @@ struct PathMaterial {
   float is_two_sided = 1;
   float normal_scale = 1;
   uint32_t conductor = 0, reflection = 0, entering = 0, leaving = 0;  // EnergyTables
+  float alpha_cutoff = -1;              // of a texture's alpha; -1: it is an opacity
+  uint32_t alpha_texture = kNoTexture;  // or kNoTexture: opaque
   uint32_t metallic_roughness_texture = kNoTexture, normal_texture = kNoTexture,
            emission_texture = kNoTexture, transmission_texture = kNoTexture;
 };
@@ -96,6 +98,7 @@ struct PathScene {
   std::vector<PathMaterial> materials;
   PathLights lights;
   bool any_textures = false;  // besides those of base colours
+  bool any_alpha = false;     // of textures
 };
 
 }  // namespace raio::core

@@ -23,6 +23,7 @@
 //   kLobe        bounce of a path      the lobe of the surface, and whether the path ends
 //   kLightChoice  bounce of a path     which light it samples, in_unit()
 //   kLightPoint  bounce of a path      the point on this light
+//   kAlpha       bounce of a path      whether it passes a texture's alpha, in_unit()
 //
 // A pixel is identified by its column plus 65536 times its row. A group of pixels
 // (integrate/screen_keys.h) further down or to the right has a random identity.
@@ -55,6 +56,7 @@ enum Purpose : uint32_t {
   kLobe = 0x8000000au,
   kLightChoice = 0x8000000bu,
   kLightPoint = 0x8000000cu,
+  kAlpha = 0x8000000du,
   kLightDepth = 0xc0000000u
 };
 
