@@ -594,10 +594,9 @@ TEST(Gltf, LightsArePhysical) {
 
 TEST(Gltf, BrightLightsAreReported) {
   // 256 pi at a distance of 5 - 0.5 from the middle, up to the small offset along x.
-  EXPECT_EQ(
-      warnings_of(with_light(R"({"type": "point", "intensity": 17000})")),
-      "a.gltf: warning: its lights are about 2^8 times too bright for a display; `exposure` -8 "
-      "shows what they light\n");
+  EXPECT_EQ(warnings_of(with_light(R"({"type": "point", "intensity": 17000})")),
+            "a.gltf: warning: its lights are about 2^8 times too bright for a display; exposure -8 "
+            "shows what they light\n");
   EXPECT_EQ(warnings_of(with_light(R"({"type": "point", "intensity": 170})")), "");
   EXPECT_THAT(warnings_of(with_light(R"({"type": "directional", "intensity": 100})")),
               HasSubstr("about 2^4 times"));
