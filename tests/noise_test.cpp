@@ -289,6 +289,25 @@ class NoiseJob : public TemporaryFolder {
   }
 };
 
+// As the program stops it: by the executor around all of its work.
+TEST_F(NoiseJob, KeepsItsSamplesIfStopped) {
+  const JobRequest whole = request("whole.raio");
+  ASSERT_EQ(failure(whole), "");
+  JobRequest r = request("x.raio");
+  r.checkpoint = file("c.raio");
+  WorkControl control;
+  RenderJob job(r, {}, &control);
+  ASSERT_TRUE(job.prepare());
+  ASSERT_TRUE(job.build());
+  Executor(2, &control).run([&] {
+    control.stop = true;
+    EXPECT_THAT(job.run().error().text("--"), HasSubstr("c.raio, and --resume continues"));
+  });
+  r.resume = true;
+  ASSERT_EQ(failure(r), "");
+  EXPECT_TRUE(get(r.output) == get(whole.output));
+}
+
 TEST_F(NoiseJob, IsRefinedToLessNoise) {
   JobRequest coarse = request("coarse.raio");
   coarse.options.noise = 0.1f, coarse.options.max_samples = 32;

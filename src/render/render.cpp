@@ -144,8 +144,7 @@ class Work {
     std::vector<TileNeed> needs(tiles_.size());
     for (std::vector<Portion> portions;; portions.clear()) {
       Executor(threads_, nullptr).run([&] {
-        parallel_for(tiles_.size(),
-                     [&](size_t i) { needs[i] = need_of(film_, tiles_[i], options_); });
+        deal(tiles_.size(), [&](size_t i) { needs[i] = need_of(film_, tiles_[i], options_); });
       });
       uint64_t likely = 0;
       for (size_t i = 0; i < tiles_.size(); ++i) {
