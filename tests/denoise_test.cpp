@@ -265,7 +265,9 @@ TEST_F(DenoisedFile, AutoUsesWhatIsThere) {
   EXPECT_EQ(setting(*read_metadata(file("a.png")), "denoise"), version ? "oidn" : "raio");
   const Error missing = refusal(request("b.png", 4, Denoiser::oidn));
   EXPECT_EQ(missing.kind == ErrorKind::no_resource, !version) << missing.text();
-  if (!version) EXPECT_THAT(missing.message, StartsWith("Open Image Denoise is missing"));
+  if (!version) {
+    EXPECT_THAT(missing.message, StartsWith("Open Image Denoise is missing"));
+  }
 }
 
 TEST_F(DenoisedFile, RefusesWhatHasNoNoise) {

@@ -10,7 +10,7 @@
 #include "base/exact_math.h"
 #include "integrate/camera.h"
 #include "integrate/lights.h"
-#include "integrate/tone.h"
+#include "render/picture.h"
 #include "render/render.h"
 
 namespace raio::core {
@@ -211,8 +211,7 @@ std::optional<Image> seen_by_camera(const Imitation& what, const Image& of) {
 std::optional<Image> imitate(const Imitation& what, const Image& of) {
   auto picture = seen_by_camera(what, of);
   if (!picture) return std::nullopt;
-  const ToneMap tone(what.settings.tone, what.settings.exposure);
-  for (Rgb& pixel : picture->pixels) pixel = tone(pixel);
+  tone_map(*picture, {}, what.settings.tone, what.settings.exposure);
   for (const auto transform : what.transforms) picture = transform(*picture);
   return picture;
 }
