@@ -371,9 +371,9 @@ TEST(LibrarySettings, OptionsHaveTypeRangeAndDefault) {
   EXPECT_EQ(fov.minimum, 0.001);
   EXPECT_EQ(fov.maximum, 179);
   EXPECT_EQ(fov.default_value, "") << "it is the scene's";
-  EXPECT_EQ(fov.integrators.size(), 3u);
-  EXPECT_EQ(all.at("depth").default_value, "5");
-  EXPECT_EQ(all.at("depth").integrators, std::vector<std::string>{"classic"});
+  EXPECT_EQ(fov.integrators.size(), 4u);
+  EXPECT_EQ(all.at("depth").default_value, "") << "it depends on the integrator";
+  EXPECT_EQ(all.at("depth").integrators, (std::vector<std::string>{"classic", "path"}));
   EXPECT_EQ(all.at("samples").excludes, (std::vector<std::string>{"lens-samples", "noise"}));
   EXPECT_EQ(all.at("tone").type, "words");
   EXPECT_FALSE(all.at("tone").minimum);

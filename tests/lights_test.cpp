@@ -348,7 +348,7 @@ TEST(Lights, OtherIntegratorsRefuseThem) {
   options.integrator = IntegratorKind::classic;
   EXPECT_EQ(conflict(options, scene),
             "integrator: classic would leave out 5 physical lights, the environment; choose "
-            "ambient");
+            "ambient or path");
   options.integrator = IntegratorKind::ambient;
   EXPECT_EQ(conflict(options, scene), "");
   options.shadow_catcher = true;

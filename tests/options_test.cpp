@@ -108,7 +108,7 @@ TEST(OptionTable, HelpIsComposed) {
   EXPECT_EQ(option_help(option_of("fov")),
             "Vertical field of view, in degrees (default: the scene's)");
   EXPECT_EQ(option_help(option_of("depth")),
-            "Maximum ray depth, with `integrator` classic; the eye ray is level 1 (default: 5)");
+            "Maximum ray depth; the eye ray is level 1 (default: 5; 16 for paths)");
   EXPECT_EQ(option_help(option_of("occlusion-distance")),
             "Surfaces farther away than D scene units hide no sky, with `integrator` ambient "
             "(default: any distance)");
@@ -118,7 +118,7 @@ TEST(OptionTable, HelpIsComposed) {
 
 TEST(OptionTable, ConstantDefaultsAreValues) {
   const auto value = [](std::string_view name) { return default_value(option_of(name)); };
-  EXPECT_EQ(value("depth"), "5");
+  EXPECT_EQ(value("depth"), "");
   EXPECT_EQ(value("exposure"), "0");
   EXPECT_EQ(value("accel"), "auto");
   EXPECT_EQ(value("one-sided"), "false");
@@ -144,8 +144,8 @@ TEST(OptionTable, ErrorsNameRangeAndUnit) {
 // With each integrator, the options that it ignores are refused, and all others pass.
 TEST(OptionTable, IgnoredOptionsAreRefused) {
   Scene scene = tests::random_scene(5, 1);
-  for (const auto kind :
-       {IntegratorKind::classic, IntegratorKind::views, IntegratorKind::ambient}) {
+  for (const auto kind : {IntegratorKind::classic, IntegratorKind::views, IntegratorKind::ambient,
+                          IntegratorKind::path}) {
     size_t refused = 0;
     for (const OptionSpec& spec : render_option_table()) {
       if (spec.name == "view" || spec.name == "integrator") continue;
@@ -173,7 +173,7 @@ TEST(OptionTable, IgnoredOptionsAreRefused) {
   EXPECT_FALSE(option_conflict(o));
   EXPECT_EQ(option_conflict(o, &scene)->text("--"),
             "--key-light: has no effect with --integrator classic, the default for this scene; "
-            "leave it out, or add --integrator ambient");
+            "leave it out, or add --integrator ambient or path");
   o = {}, o.view = View::normals, o.soft_shadows = true;
   EXPECT_EQ(option_conflict(o)->text("--"),
             "--soft-shadows: has no effect with --view normals; leave one of them out");
@@ -232,10 +232,10 @@ TEST_F(OptionsCommand, PrintsTheTables) {
   EXPECT_TRUE(fov["default_value"].is_null());
   EXPECT_EQ(fov["minimum"], 0.001);
   EXPECT_EQ(fov["maximum"], 179);
-  EXPECT_EQ(fov["integrators"], nlohmann::json({"classic", "views", "ambient"}));
+  EXPECT_EQ(fov["integrators"], nlohmann::json({"classic", "views", "ambient", "path"}));
   EXPECT_EQ(fov["help"], "Vertical field of view, in degrees (default: the scene's)");
-  EXPECT_EQ(by_name["depth"]["default_value"], 5);
-  EXPECT_EQ(by_name["depth"]["integrators"], nlohmann::json::array({"classic"}));
+  EXPECT_EQ(by_name["depth"]["default_value"], nullptr);
+  EXPECT_EQ(by_name["depth"]["integrators"], nlohmann::json({"classic", "path"}));
   EXPECT_EQ(by_name["one-sided"]["default_value"], false);
   EXPECT_EQ(by_name["one-sided"]["type"], "switch");
   EXPECT_EQ(by_name["key-light"]["words"], nlohmann::json({"off", "on", "scene"}));
@@ -251,7 +251,7 @@ TEST_F(OptionsCommand, RefusesIgnoredOptionsAtOnce) {
                  "--gloss: has no effect with --view normals; leave one of them out");
   expect_refusal({"render", "ok.nff", "--look", "dark"}, 2,
                  "--look: has no effect with --integrator classic, the default for this scene; "
-                 "leave it out, or add --integrator ambient");
+                 "leave it out, or add --integrator ambient or path");
   expect_refusal({"render", "ok.nff", "--width", "88mm", "--size", "640x480"}, 2,
                  "--width: cannot be combined with --size; leave one of them out");
 }

@@ -163,7 +163,7 @@ class Pictures {
                       about_, command_.legend ? "legend" : "color-bar", view_name(options.view)));
     request.loaded = std::make_shared<const Scene>(std::move(read.scene));
     if (!command_.any_annotation()) return kDone;
-    if (option_conflict(options, request.loaded.get())) return kDone;  // the job reports it
+    if (option_conflict(options, request.loaded.get(), true)) return kDone;  // the job reports it
     const RenderSettings settings = resolve_options(options, *request.loaded);
     if (command_.legend && !has_room_for_legend(settings.width, settings.height, settings.dpi))
       return bad_input(about_ +

@@ -396,7 +396,7 @@ constexpr KnownFault kFaults[] = {
      false, change_depth<-1>},
     {"depth-more", "one level of rays more",
      "The eye ray has level 1, not 0; compare the last level with <=.", false, change_depth<1>},
-    {"depth-2-less", "two levels of rays less", "Compare the maximum depth with Raio's --depth.",
+    {"depth-2-less", "two levels of rays less", "Compare the maximum depth with Raio's `depth`.",
      false, change_depth<-2>},
     {"depth-1", "a depth of 1",
      "Mirrored and refracted rays have a level of their own; they get the background only beyond "

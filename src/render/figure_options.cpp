@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "render/picture_options.h"
 
 namespace raio::core {
@@ -65,9 +67,15 @@ Rgb usual_sky_light(const RenderOptions& options, const Scene& scene, const Styl
 
 }  // namespace
 
+bool has_bright_surfaces(const Scene& scene) {
+  return std::ranges::any_of(scene.standard_surfaces, [](const StandardSurface& s) {
+    return s.is_standard && max_component(s.emission) > 1;
+  });
+}
+
 bool has_own_light(const Scene& scene) {
   return scene.dialect != Dialect::data || !scene.lights.empty() ||
-         !scene.physical_lights.empty() || !scene.environment.empty() || scene.has_emission();
+         !scene.physical_lights.empty() || !scene.environment.empty() || has_bright_surfaces(scene);
 }
 
 FigureSettings figure_settings(const RenderOptions& options, const Scene& scene) {

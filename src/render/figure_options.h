@@ -29,6 +29,10 @@ FigureSettings figure_settings(const RenderOptions& options, const Scene& scene)
 /// The options that resolve to these settings.
 void set_figure(RenderOptions& options, const FigureSettings& figure, const Scene& scene);
 
+/// Whether surfaces emit more than white paper reflects, so that they are lights, not displays or
+/// glowing signs.
+bool has_bright_surfaces(const Scene& scene);
+
 /// Whether `path` takes light from the scene: all but figures have some, even if it is only the
 /// background.
 bool has_own_light(const Scene& scene);

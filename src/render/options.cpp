@@ -240,7 +240,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
         kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
     option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
            usual("classic; ambient for atoms, points, meshes and physical light; path for scenes "
-                 "with surfaces that emit light; views with `view`"),
+                 "with surfaces that are lights; views with `view`"),
            one_of(kIntegratorNames)),
     option(diagnostics, "view", "NAME",
            "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or "
@@ -272,7 +272,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Filter the noise of few samples out of pictures: raio, with the same bytes on every "
            "machine; oidn, Open Image Denoise; or auto, oidn where it is installed, else raio; "
            "part files keep the samples",
-           kValue<&Options::denoise>, one_of(kDenoiserNames), kOfLight, kNotOfWindow),
+           kValue<&Options::denoise>, usual("none"), one_of(kDenoiserNames), kOfLight,
+           kNotOfWindow),
     option(diagnostics, "accel", "NAME",
            "Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the "
            "scene's, else bvh",

@@ -32,9 +32,9 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
   const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
                          !scene.environment.empty();
-  return selected_integrator(options).value_or(scene.has_emission() ? IntegratorKind::path
-                                               : is_figure          ? IntegratorKind::ambient
-                                                                    : IntegratorKind::classic);
+  return selected_integrator(options).value_or(has_bright_surfaces(scene) ? IntegratorKind::path
+                                               : is_figure                ? IntegratorKind::ambient
+                                                           : IntegratorKind::classic);
 }
 
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
