@@ -80,9 +80,9 @@ class RenderOptions(AnnotationOptions, total=False):
             size at the distance of the point looked at; or in all directions (omnidirectional), as an
             equirectangular picture with that point in the middle (default: the scene's)
         integrator: How rays become colours: classic, the shading of Whitted and Phong; ambient, for
-            figures, with the light of a sky and a key light; or views, which shows what eye rays
-            intersect (default: classic; ambient for atoms, points, meshes and physical light; views with
-            view)
+            figures, with the light of a sky and a key light; path, which follows light over many bounces;
+            or views, which shows what eye rays intersect (default: classic; ambient for atoms, points,
+            meshes and physical light; path for scenes with surfaces that are lights; views with view)
         view: Show normals, depth, ids, materials, traversal steps, intersection tests, focus or samples
             instead of the picture (default: picture)
         channels: Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, object,
@@ -93,8 +93,8 @@ class RenderOptions(AnnotationOptions, total=False):
         exposure: Multiply the colours of .png and .ppm by 2 to the power of EV; auto chooses it from the
             picture, so that the mean brightness becomes middle grey; other formats keep the computed
             values (default: 0)
-        tone: Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays; agx and neutral
-            also compress highlights (default: none; srgb for figures)
+        tone: Tone curve of .png and .ppm: none keeps the values, srgb encodes for displays; agx and
+            neutral also compress highlights (default: none; srgb for figures and paths)
         denoise: Filter the noise of few samples out of pictures: raio, with the same bytes on every
             machine; oidn, Open Image Denoise; or auto, oidn where it is installed, else raio; part files
             keep the samples (default: none)
@@ -104,11 +104,10 @@ class RenderOptions(AnnotationOptions, total=False):
             cells per side (default: 0.3; one cell for up to 32 primitives)
         grid_resolution: Exact number of cells of the uniform grid; replaces grid_factor
         aa: Antialiasing with N x N jittered samples per pixel; 1 is one ray through the centre (default:
-            the scene's, else 1; figures have 64 samples)
-        soft_shadows: Soft shadows, with integrator classic; lights become squares that face the point
-            looked at
-        light_size: Side of the square lights of soft_shadows, in scene units, with integrator classic
-            (default: a tenth of the light's distance to the point looked at)
+            the scene's, else 1; figures and paths have 64 samples)
+        soft_shadows: Soft shadows; lights become squares that face the point looked at
+        light_size: Side of the square lights of soft_shadows, in scene units (default: a tenth of the
+            light's distance to the point looked at)
         dof: Depth of field; a thin lens replaces the pinhole (default: on if the scene has a lens)
         aperture: Lens radius for dof, in scene units (default: the scene's, else a fiftieth of the focus
             distance)
@@ -123,7 +122,7 @@ class RenderOptions(AnnotationOptions, total=False):
         max_samples: The most samples per pixel with noise (default: 4096)
         sampler: Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol
             sequence, well distributed after any number of samples (default: jitter; sobol with samples)
-        depth: Maximum ray depth, with integrator classic; the eye ray is level 1 (default: 5)
+        depth: Maximum ray depth; the eye ray is level 1 (default: 5; 16 for paths)
         no_reflection: Trace no reflected rays, with integrator classic; highlights of the lights stay
         no_refraction: Trace no refracted rays, with integrator classic; transparent surfaces become
             opaque
@@ -139,17 +138,17 @@ class RenderOptions(AnnotationOptions, total=False):
         shutter: Motion blur: the shutter is open from time T0 to T1; equal times show one moment
             (default: the whole movement)
         opacity: Opacity of everything without its own: 0 is invisible, 1 opaque (default: 1)
-        look: Look of figures, with integrator ambient: paper, soft light on white; dark; flat, outlines
-            without a key light; or matte; a number fixes the version, as in paper-1 (default: paper)
-        sky_light: Radiance of the sky, with integrator ambient: a number or a colour, with 1 for a sky in
-            which white surfaces are white; 0 for no sky (default: the look's; 1 for a scene with an
-            environment)
+        look: Look of figures: paper, soft light on white; dark; flat, outlines without a key light; or
+            matte; a number fixes the version, as in paper-1 (default: paper)
+        sky_light: Radiance of the sky: a number or a colour, with 1 for a sky in which white surfaces are
+            white; 0 for no sky (default: the look's; 1 for a scene with an environment; 0 for paths in
+            scenes with lights)
         occlusion_rays: Rays to the sky from each surface point, with integrator ambient (default: 2)
         occlusion_distance: Surfaces farther away than D scene units hide no sky, with integrator ambient
             (default: any distance)
-        key_light: Light over the viewer's left shoulder, with soft shadows, with integrator ambient: on
-            or off; or scene, the scene's lights in physical units (default: on; scene if it has physical
-            lights)
+        key_light: Light over the viewer's left shoulder, with soft shadows: on or off; or scene, the
+            scene's lights in physical units (default: on; scene if it has physical lights, or, for paths,
+            any light)
         outline: Outlines W pixels wide where depth jumps, faces meet or objects end, with integrator
             ambient; 0 for none (default: the look's)
         depth_cue: Fade into the background with distance, with integrator ambient: the farthest point
@@ -182,7 +181,7 @@ class RenderOptions(AnnotationOptions, total=False):
     fit: Literal["all", "most"] | None
     fov: float | None
     projection: Literal["perspective", "orthographic", "omnidirectional"] | None
-    integrator: Literal["classic", "views", "ambient"] | None
+    integrator: Literal["classic", "views", "ambient", "path"] | None
     view: Literal[
         "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"
     ] | None
