@@ -46,11 +46,15 @@ class WideEnergy {
     const V along = hn::Mul(clamp_unit(roughness), hn::Set(d, float(EnergyTables::kRows - 1)));
     const V whole = hn::Min(hn::Floor(along), hn::Set(d, float(EnergyTables::kRows - 2)));
     row_ = hn::ConvertTo(di, whole), part_ = hn::Sub(along, whole);
+    alpha2_ = squared(squared(roughness));
   }
   // E at a cosine of 0 to 1, of the table at this offset.
   HWY_INLINE V at(U table, V cosine) const {
     constexpr auto kColumns = int32_t(EnergyTables::kColumns);
-    const V along = hn::Mul(hn::Sqrt(clamp_unit(cosine)), hn::Set(d, float(kColumns - 1)));
+    const V mu = clamp_unit(cosine), mu2 = squared(mu);
+    const V shadow = hn::Sqrt(hn::Add(hn::Mul(alpha2_, hn::Sub(hn::Set(d, 1), mu2)), mu2));
+    const V along = hn::Mul(hn::Add(hn::Sqrt(mu), hn::Div(mu, hn::Max(shadow, hn::Set(d, 1e-30f)))),
+                            hn::Set(d, float(kColumns - 1) / 2));
     const V whole = hn::Min(hn::Floor(along), hn::Set(d, float(kColumns - 2)));
     const V part = hn::Sub(along, whole);
     const auto first = hn::Add(hn::BitCast(di, table), hn::Add(hn::Mul(row_, hn::Set(di, kColumns)),
@@ -80,7 +84,7 @@ class WideEnergy {
 
   const float* numbers_;
   hn::Vec<Signed<D>> row_;
-  V part_;
+  V part_, alpha2_;
 };
 
 // The surface at a point, a sum of lobes.
@@ -120,9 +124,11 @@ class Bsdf {
   static constexpr float kSmoothest = 1.0f / 32;
 
   HWY_INLINE Bsdf(const Lobes& lobes, const V3& out, const EnergyTables& tables)
-      : s_(lobes), out_(out), energy_(tables, lobes.roughness) {
+      : s_(lobes),
+        out_(out),
+        smooth_(hn::Lt(lobes.roughness, hn::Set(d, kSmoothest))),
+        energy_(tables, hn::IfThenZeroElse(smooth_, lobes.roughness)) {
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
-    smooth_ = hn::Lt(s_.roughness, hn::Set(d, kSmoothest));
     alpha2_ = squared(squared(s_.roughness));
     any_glass_ = !hn::AllFalse(d, hn::Gt(s_.glass, zero));
     any_mirror_ = !hn::AllFalse(d, hn::Gt(s_.mirror_edge, zero));
@@ -384,8 +390,8 @@ class Bsdf {
 
   const Lobes& s_;
   const V3 out_;
+  const M smooth_;
   const WideEnergy energy_;
-  M smooth_;
   V alpha2_;
   bool any_glass_, any_mirror_, any_coat_;
   V base_out_, base_scale_;  // of the diffuse base

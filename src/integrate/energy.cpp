@@ -7,71 +7,90 @@
 
 #include "base/exact_math.h"
 #include "base/parallel.h"
-#include "base/vec.h"
 
 namespace raio::core {
 namespace {
 
-// Points of the unit disc, one in each of equal areas. Half of the azimuths suffice: energy does
-// not depend on the sign of an azimuth.
-constexpr size_t kAzimuths = 12, kRings = 40;
+// Points of the unit disc with weights. They are denser near its rim, from which the long tail of
+// GGX comes. Half of the azimuths suffice: energy does not depend on the sign of an azimuth.
+constexpr size_t kAzimuths = 24, kRings = 48;
 
 struct DiscPoint {
-  double r2, cosine, sine;
+  float inner;  // 1 - the square of the radius
+  float cosine, sine;
+  float weight;
 };
 std::array<DiscPoint, kAzimuths * kRings> disc_points() {
   std::array<DiscPoint, kAzimuths * kRings> points{};
   for (size_t a = 0; a < kAzimuths; ++a)
     for (size_t r = 0; r < kRings; ++r) {
       const double azimuth = (double(a) + 0.5) * std::numbers::pi / kAzimuths;
-      points[a * kRings + r] = {(double(r) + 0.5) / kRings, exact_cos(azimuth), exact_sin(azimuth)};
+      const double x = (double(r) + 0.5) / kRings, low = double(r) / kRings, high = low + 1.0 / kRings;
+      points[a * kRings + r] = {float(x * x * x), float(exact_cos(azimuth)),
+                                float(exact_sin(azimuth)),
+                                float((high * high * high - low * low * low) / kAzimuths)};
     }
   return points;
 }
 
-// Smith's Lambda.
-double lambda(double cosine, double alpha) {
-  const double c2 = cosine * cosine, tangent2 = std::max(1 - c2, 0.0) / c2;
-  return (std::sqrt(1 + alpha * alpha * tangent2) - 1) / 2;
+// The coordinate of a column, and the cosine of a column. The former's first part resolves
+// Fresnel's reflectance, the latter masking, which depends on mu / alpha near grazing angles.
+double column_of(double mu, double alpha) {
+  return (std::sqrt(mu) + mu / std::sqrt(alpha * alpha * (1 - mu * mu) + mu * mu)) / 2;
 }
-
-// The mean of energy(half . out, masking of the reflected direction, that of the refracted one)
-// over the normals that are visible from `out`. Maskings are G2 / G1; 0 on the wrong side. Visible
-// normals after Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
-template <class Energy>
-double mean_over_normals(double mu, double alpha, double eta, const Energy& energy) {
-  static const auto kPoints = disc_points();
-  const Vec3d out(std::sqrt(std::max(1 - mu * mu, 0.0)), 0, mu);
-  const Vec3d stretched = normalize(Vec3d(alpha * out.x, 0, out.z));
-  const double lambda_out = lambda(mu, alpha);
-  double sum = 0;
-  for (const DiscPoint& p : kPoints) {
-    const double z = (1 - p.r2) * (1 + stretched.z) - stretched.z;
-    const double sine = std::sqrt(std::max(1 - z * z, 0.0));
-    const Vec3d cap = Vec3d(sine * p.cosine, sine * p.sine, z) + stretched;
-    const Vec3d half = normalize(Vec3d(alpha * cap.x, alpha * cap.y, std::max(cap.z, 1e-12)));
-    const double cosine = std::max(dot(out, half), 1e-12);
-    const auto masking = [&](double in_z) {
-      return in_z > 0 ? (1 + lambda_out) / (1 + lambda_out + lambda(in_z, alpha)) : 0.0;
-    };
-    const double reflected = 2 * cosine * half.z - out.z;
-    const double k = 1 - (1 - cosine * cosine) / (eta * eta);
-    const double refracted = k > 0 ? -((cosine / eta - std::sqrt(k)) * half.z - out.z / eta) : 0.0;
-    sum += energy(cosine, masking(reflected), masking(refracted));
+double cosine_of(double column, double alpha) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double mid = (low + high) / 2;
+    (column_of(mid, alpha) < column ? low : high) = mid;
   }
-  return sum / double(kPoints.size());
+  return high;
 }
 
-// The average of a row: the integral of 4 E x^3 over x from 0 to 1, with E linear between columns.
-double average(const float* row) {
-  constexpr size_t kLast = EnergyTables::kColumns - 1;
-  double sum = 0;
-  for (size_t i = 0; i < kLast; ++i) {
-    const double a = double(i) / kLast, b = double(i + 1) / kLast;
-    const double slope = (double(row[i + 1]) - double(row[i])) * kLast;
-    const double start = double(row[i]) - slope * a;
-    const double a4 = a * a * a * a, b4 = b * b * b * b;
-    sum += start * (b4 - a4) + slope * 0.8 * (b4 * b - a4 * a);
+using Row = std::array<float, EnergyTables::kColumns>;
+
+// As that of the header.
+inline float reflectance(float cosine, float eta, float behind) {
+  const float parallel = (eta * cosine - behind) / (eta * cosine + behind);
+  const float perpendicular = (cosine - eta * behind) / (cosine + eta * behind);
+  return behind > 0 ? (parallel * parallel + perpendicular * perpendicular) / 2 : 1.0f;
+}
+
+// For each cosine of `mu`, the mean of energy(reflectance, masking of the reflected direction, that
+// of the refracted one) over the normals that are visible. Maskings are G2 / G1; 0 on the wrong
+// side. Visible normals after Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical
+// Caps". The loop over columns is vectorised by compilers.
+template <class Energy>
+Row mean_over_normals(const Row& mu, float alpha, float eta, const Energy& energy) {
+  static const auto kPoints = disc_points();
+  const float alpha2 = alpha * alpha, inverse = 1 / eta, inverse2 = inverse * inverse;
+  Row sine{}, shadow{}, top{}, side{}, sum{};
+  for (size_t i = 0; i < mu.size(); ++i) {
+    sine[i] = std::sqrt(std::max(1 - mu[i] * mu[i], 0.0f));
+    shadow[i] = std::sqrt(alpha2 * sine[i] * sine[i] + mu[i] * mu[i]);
+    top[i] = mu[i] / shadow[i], side[i] = alpha * sine[i] / shadow[i];
+  }
+  for (const DiscPoint& p : kPoints) {
+    for (size_t i = 0; i < mu.size(); ++i) {
+      const float out_z = mu[i], height = p.inner * (1 + top[i]), z = height - top[i];
+      const float around = std::sqrt(std::max(1 - z * z, 0.0f));
+      const float x = alpha * (around * p.cosine + side[i]), y = alpha * around * p.sine;
+      const float scale = 1 / std::sqrt(x * x + y * y + height * height);
+      const float half_z = height * scale;
+      const float cosine = std::max((sine[i] * x + out_z * height) * scale, 1e-12f);
+      const float visible = out_z + shadow[i];
+      const auto masking = [&](float in_z) {
+        const float in = std::max(in_z, 0.0f);
+        const float in_shadow = std::sqrt(alpha2 + (1 - alpha2) * in * in);
+        return visible * in / (shadow[i] * in + in_shadow * out_z);
+      };
+      const float k = 1 - (1 - cosine * cosine) * inverse2;
+      const float behind = std::sqrt(std::max(k, 0.0f));
+      const float reflected = 2 * cosine * half_z - out_z;
+      const float refracted = out_z * inverse - (cosine * inverse - behind) * half_z;
+      sum[i] += p.weight * energy(reflectance(cosine, eta, behind), masking(reflected),
+                                  masking(refracted));
+    }
   }
   return sum;
 }
@@ -88,19 +107,27 @@ double dielectric_reflectance(double cosine, double eta) {
 }
 
 template <class Energy>
-uint32_t EnergyTables::add(const Energy& energy) {
-  constexpr double kSmallest = 1e-4;  // of mu; the limit at 0 is not reached evenly
+uint32_t EnergyTables::add(float eta, const Energy& energy) {
+  constexpr double kSmallest = 1e-3;  // of mu / alpha
   const auto first = uint32_t(numbers_.size());
   numbers_.resize(first + kNumbers);
   parallel_for(kRows, [&](size_t row) {
-    float* const numbers = &numbers_[first + row * kColumns];
-    const double roughness = double(row) / (kRows - 1);
-    for (size_t column = 0; column < kColumns; ++column) {
-      const double x = double(column) / (kColumns - 1);
-      numbers[column] =
-          float(std::min(energy(std::max(x * x, kSmallest), roughness * roughness), 1.0));
+    // Not 0, where no column has a masking.
+    const double roughness = std::max(double(row) / (kRows - 1), 1e-2);
+    const double alpha = roughness * roughness;
+    Row mu{};
+    for (size_t i = 0; i < kColumns; ++i)
+      mu[i] = float(std::max(cosine_of(double(i) / (kColumns - 1), alpha), kSmallest * alpha));
+    const Row numbers = mean_over_normals(mu, float(alpha), eta, energy);
+    double average = 0, before = 0;
+    for (size_t i = 0; i < kColumns; ++i) {
+      const double square = double(mu[i]) * double(mu[i]);
+      const float number = std::min(numbers[i], 1.0f);
+      const double last = i > 0 ? double(numbers_[first + row * kColumns + i - 1]) : double(number);
+      average += (square - before) * (last + double(number)) / 2;
+      numbers_[first + row * kColumns + i] = number, before = square;
     }
-    numbers_[first + kRows * kColumns + row] = float(average(numbers));
+    numbers_[first + kRows * kColumns + row] = float(average);
   });
   return first;
 }
@@ -108,30 +135,19 @@ uint32_t EnergyTables::add(const Energy& energy) {
 uint32_t EnergyTables::conductor() {
   if (has_conductor_) return conductor_;
   has_conductor_ = true;
-  return conductor_ = add([](double mu, double alpha) {
-           return mean_over_normals(mu, alpha, 1,
-                                    [](double, double reflected, double) { return reflected; });
-         });
+  return conductor_ = add(1, [](float, float reflected, float) { return reflected; });
 }
 
 EnergyTables::Dielectric EnergyTables::dielectric(float ior) {
   for (const auto& [known, tables] : dielectrics_)
     if (known == ior) return tables;
-  const auto both = [](double eta) {
-    return [eta](double mu, double alpha) {
-      return mean_over_normals(mu, alpha, eta, [=](double cosine, double out, double through) {
-        const double part = dielectric_reflectance(cosine, eta);
-        return part * out + (1 - part) * through;
-      });
-    };
+  const auto both = [](float part, float reflected, float refracted) {
+    return part * reflected + (1 - part) * refracted;
   };
   Dielectric tables;
-  tables.reflection = add([&](double mu, double alpha) {
-    return mean_over_normals(mu, alpha, double(ior), [&](double cosine, double out, double) {
-      return dielectric_reflectance(cosine, double(ior)) * out;
-    });
-  });
-  tables.entering = add(both(double(ior))), tables.leaving = add(both(1 / double(ior)));
+  tables.reflection =
+      add(ior, [](float part, float reflected, float) { return part * reflected; });
+  tables.entering = add(ior, both), tables.leaving = add(1 / ior, both);
   dielectrics_.emplace_back(ior, tables);
   return tables;
 }

@@ -13,10 +13,11 @@ namespace raio::core {
 /// "Revisiting Physically Based Shading at Imageworks".
 ///
 /// A table has a row for each roughness, the square root of alpha; its columns are equally spaced
-/// in the square root of mu. After the rows, it has their averages. Values between are bilinear.
+/// in the mean of the square root of mu and mu / (alpha^2 (1 - mu^2) + mu^2)^(1/2). After the rows,
+/// it has their averages. Values between are bilinear.
 class EnergyTables {
  public:
-  static constexpr uint32_t kRows = 32, kColumns = 32, kNumbers = kRows * (kColumns + 1);
+  static constexpr uint32_t kRows = 32, kColumns = 64, kNumbers = kRows * (kColumns + 1);
 
   /// The tables of a surface that separates indices of refraction, those outside and inside.
   struct Dielectric {
@@ -33,7 +34,7 @@ class EnergyTables {
 
  private:
   template <class Energy>
-  uint32_t add(const Energy& energy);
+  uint32_t add(float eta, const Energy& energy);
 
   std::vector<float> numbers_;
   std::vector<std::pair<float, Dielectric>> dielectrics_;
