@@ -40,6 +40,7 @@ PathMaterial mapped(const Material& m, const StandardSurface& s, uint32_t base_t
     for (int c = 0; c < 3; ++c) out.attenuation[c] = std::min(s.attenuation_color[c], 1.0f);
     out.per_attenuation_distance = 1 / s.attenuation_distance;
   }
+  if (s.is_unlit) out.diffuse = out.metallic = out.transmission = 0, out.specular = Rgb(0);
   out.emission = s.emission, out.is_two_sided = float(s.is_two_sided);
   out.normal_scale = s.normal_scale;
   out.metallic_roughness_texture = s.metallic_roughness_texture;
