@@ -3,10 +3,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "measure/faults.h"
 #include "nff_text.h"
 #include "noise.h"
 #include "program.h"
-#include "measure/faults.h"
 #include "render/render.h"
 
 namespace raio::core {

@@ -25,7 +25,8 @@ std::array<DiscPoint, kAzimuths * kRings> disc_points() {
   for (size_t a = 0; a < kAzimuths; ++a)
     for (size_t r = 0; r < kRings; ++r) {
       const double azimuth = (double(a) + 0.5) * std::numbers::pi / kAzimuths;
-      const double x = (double(r) + 0.5) / kRings, low = double(r) / kRings, high = low + 1.0 / kRings;
+      const double x = (double(r) + 0.5) / kRings, low = double(r) / kRings,
+                   high = low + 1.0 / kRings;
       points[a * kRings + r] = {float(x * x * x), float(exact_cos(azimuth)),
                                 float(exact_sin(azimuth)),
                                 float((high * high * high - low * low * low) / kAzimuths)};
@@ -88,8 +89,8 @@ Row mean_over_normals(const Row& mu, float alpha, float eta, const Energy& energ
       const float behind = std::sqrt(std::max(k, 0.0f));
       const float reflected = 2 * cosine * half_z - out_z;
       const float refracted = out_z * inverse - (cosine * inverse - behind) * half_z;
-      sum[i] += p.weight * energy(reflectance(cosine, eta, behind), masking(reflected),
-                                  masking(refracted));
+      sum[i] += p.weight *
+                energy(reflectance(cosine, eta, behind), masking(reflected), masking(refracted));
     }
   }
   return sum;
@@ -145,8 +146,7 @@ EnergyTables::Dielectric EnergyTables::dielectric(float ior) {
     return part * reflected + (1 - part) * refracted;
   };
   Dielectric tables;
-  tables.reflection =
-      add(ior, [](float part, float reflected, float) { return part * reflected; });
+  tables.reflection = add(ior, [](float part, float reflected, float) { return part * reflected; });
   tables.entering = add(ior, both), tables.leaving = add(1 / ior, both);
   dielectrics_.emplace_back(ior, tables);
   return tables;

@@ -414,7 +414,7 @@ class PathShading final : public Shading {
     const V least = hn::Mul(hn::Min(square.x, square.y), half);
     const V most = hn::Sub(hn::Max(square.x, square.y), least);
     const V b1 = hn::IfThenElse(upper, least, most), b2 = hn::IfThenElse(upper, most, least);
-    enum : uint8_t { corner, edge1, edge2, normal, emission, kVectors };
+    enum : uint8_t { kCorner, kEdge1, kEdge2, kNormal, kEmission, kVectors };
     HWY_ALIGN float at[kVectors][3][kWidth] = {}, area[kWidth] = {}, two_sided[kWidth] = {};
     HWY_ALIGN float b[2][kWidth];
     hn::Store(b1, d, b[0]), hn::Store(b2, d, b[1]);
@@ -430,15 +430,15 @@ class PathShading final : public Shading {
       const Rgb texel =
           texture_color(scene_.scene, t.emission_texture,
                         texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]));
-      for (size_t c = 0; c < 3; ++c) at[emission][c][k] *= texel[int(c)];
+      for (size_t c = 0; c < 3; ++c) at[kEmission][c][k] *= texel[int(c)];
     }
     const auto vector = [&](size_t j) HWY_ATTR {
       return V3{hn::Load(d, at[j][0]), hn::Load(d, at[j][1]), hn::Load(d, at[j][2])};
     };
-    const V3 to = vector(corner) + vector(edge1) * b1 + vector(edge2) * b2 - from;
+    const V3 to = vector(kCorner) + vector(kEdge1) * b1 + vector(kEdge2) * b2 - from;
     const V squared_distance = dot(to, to), distance = hn::Sqrt(squared_distance);
     const V3 dir = to * hn::IfThenElseZero(hn::Gt(distance, zero), hn::Div(one, distance));
-    V cosine = hn::Neg(dot(dir, vector(normal)));
+    V cosine = hn::Neg(dot(dir, vector(kNormal)));
     cosine = hn::IfThenElse(hn::Gt(hn::Load(d, two_sided), zero), hn::Abs(cosine), cosine);
     const V facing = hn::Mul(cosine, hn::Load(d, area));
     const M seen = hn::Gt(facing, zero);
@@ -446,7 +446,7 @@ class PathShading final : public Shading {
     const V inverse = hn::IfThenElseZero(hn::Gt(density, zero), hn::Div(one, density));
     // Ends just short of the light, by the possible rounding of point and direction.
     const V length = hn::Mul(distance, hn::Set(d, 1 - 16 * std::numeric_limits<float>::epsilon()));
-    return {dir, vector(emission) * inverse, length, density};
+    return {dir, vector(kEmission) * inverse, length, density};
   }
 
   const PreparedScene& scene_;

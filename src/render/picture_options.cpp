@@ -10,6 +10,7 @@
 
 #include "io/cube_map.h"
 #include "io/image/image.h"
+#include "render/figure_options.h"
 
 namespace raio::core {
 namespace {
