@@ -3,9 +3,9 @@
 
     bench/noise.py [--raio PROGRAM] [--size N] [--reference N] [--only NAME]
 
-For each picture: the reference; pictures with 16, 32, ... samples per pixel; pictures with `--noise`. The relative error
-of a pixel is that of docs/adaptive.md. Of blocks of 8 x 8 pixels, the table shows the root mean square of their pixels: of
-all blocks, and the one below which 95 % of the blocks are. `as good as`: the number of samples of every pixel, by
+For each picture: the reference; pictures with 16, 32, ... samples per pixel; pictures with `--noise`. The relative
+error of a pixel is that of docs/adaptive.md. Of blocks of 8 x 8 pixels, the table shows the root mean square of their
+pixels: of all blocks, and the one below which 95 % of the blocks are. `as good as`: the number of samples of every pixel, by
 interpolation, with the same 95 %. Times are processor seconds of the whole program, less those of one sample."""
 import argparse
 import array
@@ -82,13 +82,16 @@ def main():
     parser.add_argument("--reference", type=int, default=4096)
     parser.add_argument("--only", default="", help="pictures whose names contain this")
     args = parser.parse_args()
-    print("| picture | E | samples | rms of blocks | 95 % of blocks | blocks below E | pixels below 2 E | as good as | time |")
+    print(
+        "| picture | E | samples | rms of blocks | 95 % of blocks | blocks below E | pixels below 2 E "
+        "| as good as | time |"
+    )
     print("|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         for name, scene in PICTURES.items():
             if args.only not in name:
                 continue
-            run = lambda *options: render(args.raio, scene, options, args.size, folder)
+            run = lambda *options, scene=scene: render(args.raio, scene, options, args.size, folder)
             start_s = run("--samples", "1")[2]
             reference = run("--samples", str(args.reference), "--seed", "4711")[0]
             uniform, a_sample_s = {}, 0
