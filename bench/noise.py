@@ -6,7 +6,7 @@
 For each picture: the reference; pictures with 16, 32, ... samples per pixel; pictures with `--noise`. The relative
 error of a pixel is that of docs/adaptive.md. Of blocks of 8 x 8 pixels, the table shows the root mean square of their
 pixels: of all blocks, and the one below which 95 % of the blocks are. `as good as`: the number of samples of every
-pixel, by interpolation, with the same 95 %. Times are processor seconds of the whole program, less those of one sample."""
+pixel, by interpolation, with the same 95 %. Times are processor seconds of the program, less those of one sample."""
 import argparse
 import array
 import math
