@@ -42,28 +42,36 @@ HWY_INLINE V dielectric_reflectance(V cosine, V eta) {
 // Looks up EnergyTables for the lanes' roughness.
 class WideEnergy {
  public:
-  HWY_INLINE WideEnergy(const EnergyTables& tables, V roughness) : numbers_(tables.numbers()) {
-    const V along = hn::Mul(clamp_unit(roughness), hn::Set(d, float(EnergyTables::kRows - 1)));
-    const V whole = hn::Min(hn::Floor(along), hn::Set(d, float(EnergyTables::kRows - 2)));
-    row_ = hn::ConvertTo(di, whole), part_ = hn::Sub(along, whole);
-    alpha2_ = squared(squared(roughness));
+  // `smooth`: below EnergyTables::kSmoothest.
+  HWY_INLINE WideEnergy(const EnergyTables& tables, V roughness, M smooth)
+      : numbers_(tables.numbers()) {
+    constexpr float kRoot = EnergyTables::kSmoothestRoot;
+    constexpr auto kRough = float(EnergyTables::kRows - 2);
+    const V root = hn::Sub(hn::Sqrt(clamp_unit(roughness)), hn::Set(d, kRoot));
+    const V along = hn::Max(hn::Mul(root, hn::Set(d, kRough / (1 - kRoot))), hn::Zero(d));
+    const V whole = hn::Min(hn::Floor(along), hn::Set(d, kRough - 1));
+    row_ = hn::ConvertTo(di, hn::IfThenZeroElse(smooth, hn::Add(whole, hn::Set(d, 1))));
+    part_ = hn::IfThenZeroElse(smooth, hn::Sub(along, whole));
+    const V widest = hn::Set(d, EnergyTables::kWidest);
+    width2_ = hn::IfThenZeroElse(smooth, squared(hn::Min(squared(roughness), widest)));
   }
   // E at a cosine of 0 to 1, of the table at this offset.
   HWY_INLINE V at(U table, V cosine) const {
     constexpr auto kColumns = int32_t(EnergyTables::kColumns);
     const V mu = clamp_unit(cosine), mu2 = squared(mu);
-    const V shadow = hn::Sqrt(hn::Add(hn::Mul(alpha2_, hn::Sub(hn::Set(d, 1), mu2)), mu2));
-    const V along = hn::Mul(hn::Add(hn::Sqrt(mu), hn::Div(mu, hn::Max(shadow, hn::Set(d, 1e-30f)))),
-                            hn::Set(d, float(kColumns - 1) / 2));
+    const V shadow = hn::Sqrt(hn::Add(hn::Mul(width2_, hn::Sub(hn::Set(d, 1), mu2)), mu2));
+    const V low = hn::Div(hn::Mul(mu, hn::Set(d, 1.5f)), hn::Add(mu, hn::Set(d, 0.5f)));
+    const V high = hn::Div(mu, hn::Max(shadow, hn::Set(d, 1e-30f)));
+    const V along = hn::Mul(hn::Add(low, high), hn::Set(d, float(kColumns - 1) / 2));
     const V whole = hn::Min(hn::Floor(along), hn::Set(d, float(kColumns - 2)));
     const V part = hn::Sub(along, whole);
     const auto first = hn::Add(hn::BitCast(di, table), hn::Add(hn::Mul(row_, hn::Set(di, kColumns)),
                                                                hn::ConvertTo(di, whole)));
-    const V low =
+    const V top =
         mix(hn::GatherIndex(d, numbers_, first), hn::GatherIndex(d, numbers_ + 1, first), part);
-    const V high = mix(hn::GatherIndex(d, numbers_ + kColumns, first),
-                       hn::GatherIndex(d, numbers_ + kColumns + 1, first), part);
-    return mix(low, high, part_);
+    const V bottom = mix(hn::GatherIndex(d, numbers_ + kColumns, first),
+                         hn::GatherIndex(d, numbers_ + kColumns + 1, first), part);
+    return mix(top, bottom, part_);
   }
   // The average over the hemisphere.
   HWY_INLINE V average(U table) const {
@@ -84,7 +92,7 @@ class WideEnergy {
 
   const float* numbers_;
   hn::Vec<Signed<D>> row_;
-  V part_, alpha2_;
+  V part_, width2_;
 };
 
 // The surface at a point, a sum of lobes.
@@ -97,7 +105,7 @@ struct Lobes {
   V glass;        // the part that reflects and refracts like glass
   V3 tint;        // of what glass transmits
   V roughness;    // the square root of alpha
-  V ior;          // inside, relative to outside
+  V ior;          // inside, relative to outside; 1: no dielectric reflection, no tables
   V eta;          // of glass: the index of refraction behind the surface relative to that in front
   M thin;         // glass is a sheet
   // Offsets of energy tables. For thin glass, those of glass are the conductor's.
@@ -119,27 +127,27 @@ struct BsdfSample {
 
 class Bsdf {
  public:
-  // Below, reflections are perfectly sharp. The square of alpha is 1e-6 of a texture's roughness
-  // 1 / 32.
-  static constexpr float kSmoothest = 1.0f / 32;
-
   HWY_INLINE Bsdf(const Lobes& lobes, const V3& out, const EnergyTables& tables)
       : s_(lobes),
         out_(out),
-        smooth_(hn::Lt(lobes.roughness, hn::Set(d, kSmoothest))),
-        energy_(tables, hn::IfThenZeroElse(smooth_, lobes.roughness)) {
+        smooth_(hn::Lt(lobes.roughness, hn::Set(d, EnergyTables::kSmoothest))),
+        energy_(tables, lobes.roughness, smooth_) {
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     alpha2_ = squared(squared(s_.roughness));
     any_glass_ = !hn::AllFalse(d, hn::Gt(s_.glass, zero));
     any_mirror_ = !hn::AllFalse(d, hn::Gt(s_.mirror_edge, zero));
     any_coat_ = !hn::AllFalse(d, hn::Gt(s_.cover, zero));
-    V specular = zero, rest = zero;
+    V specular = zero, rest = zero, missing = zero;
+    // Nothing happens between equal media, for which there are no tables.
+    const M equal = hn::Eq(s_.ior, one);
+    clear_ = hn::AndNot(s_.thin, equal);
+    cover_ = hn::IfThenZeroElse(equal, s_.cover);
     base_out_ = base_scale_ = one;
     if (any_coat_) {
       const V reflected = energy_.at(s_.reflection, out.z);
-      base_out_ = hn::Sub(one, hn::Mul(s_.cover, reflected));
-      base_scale_ = hn::Div(one, hn::Sub(one, hn::Mul(s_.cover, energy_.average(s_.reflection))));
-      specular = hn::Mul(luminance(s_.coat), reflected);
+      base_out_ = hn::Sub(one, hn::Mul(cover_, reflected));
+      base_scale_ = hn::Div(one, hn::Sub(one, hn::Mul(cover_, energy_.average(s_.reflection))));
+      specular = hn::IfThenZeroElse(equal, hn::Mul(luminance(s_.coat), reflected));
     }
     rest = hn::Mul(luminance(s_.diffuse), base_out_);
     if (any_mirror_) {
@@ -155,7 +163,7 @@ class Bsdf {
       };
       missing_ = {channel(s_.mirror.x), channel(s_.mirror.y), channel(s_.mirror.z)};
       specular = hn::Add(specular, luminance(mirror_at(out.z)));
-      rest = hn::Add(rest, hn::Mul(luminance(missing_), hn::Mul(missing_out_, lost)));
+      missing = hn::Mul(luminance(missing_), hn::Mul(missing_out_, lost));
     }
     V back = zero;
     if (any_glass_) {
@@ -166,17 +174,23 @@ class Bsdf {
           hn::IfThenElse(s_.thin, one, hn::Div(hn::Mul(squared(s_.eta), lost_back), lost_front));
       const V part = hn::Sub(one, energy_.smooth_average(s_.reflection));
       const V through = hn::Mul(hn::Min(one, ratio), part);
-      glass_out_ = hn::Sub(one, energy_.at(s_.front, out.z));
+      glass_out_ = hn::IfThenZeroElse(clear_, hn::Sub(one, energy_.at(s_.front, out.z)));
       glass_reflected_ = hn::Div(hn::Mul(s_.glass, hn::Sub(one, through)), lost_front);
       glass_refracted_ = hn::Div(hn::Mul(s_.glass, through), lost_back);
       specular = hn::Add(specular, s_.glass);
       const V lacking = hn::Mul(s_.glass, glass_out_);
       back = hn::Mul(lacking, hn::Mul(through, luminance(s_.tint)));
-      rest = hn::Add(rest, hn::Mul(lacking, hn::Sub(one, through)));
+      missing = hn::Add(missing, hn::Mul(lacking, hn::Sub(one, through)));
     }
+    rest = hn::Add(rest, missing);
     const V diffuse = hn::Add(rest, back), all = hn::Add(specular, diffuse);
     specular_ = hn::IfThenElse(hn::Gt(all, zero), hn::Div(specular, all), zero);
     back_ = hn::IfThenElse(hn::Gt(diffuse, zero), hn::Div(back, diffuse), zero);
+    // Half of what is missing.
+    const V half = hn::Set(d, 0.5f);
+    grazing_ = hn::IfThenElse(hn::Gt(rest, zero), hn::Mul(half, hn::Div(missing, rest)), half);
+    const V alpha = hn::Sqrt(alpha2_), slant = hn::Sqrt(hn::Add(one, alpha2_));
+    grazing_scale_ = hn::Mul(half, hn::Div(hn::Mul(alpha, slant), hn::Sub(slant, alpha)));
     bound_ = bound_of_normals();
   }
 
@@ -192,7 +206,7 @@ class Bsdf {
     if (!hn::AllFalse(d, above)) {
       V base = hn::Mul(base_out_, base_scale_);
       if (any_coat_)
-        base = hn::Mul(base, hn::Sub(one, hn::Mul(s_.cover, energy_.at(s_.reflection, cosine))));
+        base = hn::Mul(base, hn::Sub(one, hn::Mul(cover_, energy_.at(s_.reflection, cosine))));
       V3 sum = s_.diffuse * base;
       if (any_mirror_)
         sum =
@@ -206,6 +220,10 @@ class Bsdf {
     }
     const V rest = hn::Mul(hn::Sub(one, specular_), flat);
     pdf = hn::Mul(rest, hn::IfThenElse(above, hn::Sub(one, back_), back_));
+    if (any_mirror_ || any_glass_) {
+      const V part = hn::IfThenElse(above, grazing_, hn::Set(d, 0.5f));
+      pdf = hn::Mul(pdf, hn::Add(hn::Sub(one, part), hn::Mul(part, grazing(cosine))));
+    }
     const bool any_below = any_glass_ && !hn::AllTrue(d, above);
     if (any_below) {
       const V glass =
@@ -223,7 +241,7 @@ class Bsdf {
     const V in_half = hn::Add(hn::Add(hn::Mul(in.x, half.x), hn::Mul(in.y, half.y)),
                               hn::Mul(hn::IfThenElse(mirrored, cosine, in.z), half.z));
     const V density = distribution(half.z);
-    const Reflectances r = reflectances(out_half);
+    const Reflectances r = reflectances(hn::Max(out_half, zero));
     const V part = through_part(r);
     const V shadow_out = shadow(out_.z), shadow_in = shadow(cosine);
     // Reflection, also that of thin glass to the other side.
@@ -247,7 +265,7 @@ class Bsdf {
           hn::Div(hn::Mul(density, out_half), hn::Max(hn::Mul(out_.z, lambdas), kTiny()));
       const V normal_pdf =
           hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2), out_half), density), hn::Add(out_.z, stretched_));
-      const M sound = hn::And(hn::Gt(out_half, zero), hn::Lt(in_half, zero));
+      const M sound = hn::AndNot(clear_, hn::And(hn::Gt(out_half, zero), hn::Lt(in_half, zero)));
       const V refraction = hn::IfThenElseZero(sound, hn::Mul(masked, jacobian));
       const V refraction_pdf =
           hn::IfThenElseZero(sound, hn::Mul(hn::Mul(normal_pdf, jacobian), part));
@@ -269,11 +287,22 @@ class Bsdf {
     const Wide2<D> disc = square_to_disc(d, square.x, square.y);
     const V r2 = hn::Min(hn::Add(squared(disc.x), squared(disc.y)), one);
     const M specular = hn::Lt(choice, specular_);
-    // Diffuse: proportional to the cosine, on either side.
+    // Diffuse, on either side: proportional to the cosine, or more at grazing angles.
     const V left = hn::Div(hn::Sub(choice, specular_), hn::Max(hn::Sub(one, specular_), kTiny()));
     const M back = hn::Lt(left, back_);
-    const V up = hn::Sqrt(hn::Sub(one, r2));
-    V3 in = {disc.x, disc.y, hn::IfThenElse(back, hn::Neg(up), up)};
+    V up2 = hn::Sub(one, r2), around = one;
+    if (any_mirror_ || any_glass_) {
+      const V front = hn::Div(hn::Sub(left, back_), hn::Max(hn::Sub(one, back_), kTiny()));
+      const V within = hn::IfThenElse(back, hn::Div(left, hn::Max(back_, kTiny())), front);
+      const M flat = hn::Ge(within, hn::IfThenElse(back, hn::Set(d, 0.5f), grazing_));
+      const V low = grazing_square(up2);
+      around =
+          hn::IfThenElse(flat, one, hn::Sqrt(hn::Div(hn::Sub(one, low), hn::Max(r2, kTiny()))));
+      up2 = hn::IfThenElse(flat, up2, low);
+    }
+    const V up = hn::Sqrt(up2);
+    V3 in = {hn::Mul(disc.x, around), hn::Mul(disc.y, around),
+             hn::IfThenElse(back, hn::Neg(up), up)};
     V3 weight = set3(d, Rgb());
     M sharp = hn::And(specular, smooth_);
     if (!hn::AllFalse(d, specular)) {
@@ -289,6 +318,7 @@ class Bsdf {
         const V3 refracted = half * along - out_ * hn::Div(one, s_.eta);
         const V3 flipped = {dir.x, dir.y, hn::Neg(dir.z)};
         dir = select(through, select(s_.thin, flipped, refracted), dir);
+        sharp = hn::And(specular, hn::Or(smooth_, hn::And(through, clear_)));
       }
       // Lost on the wrong side.
       const M lost = hn::Xor(through, hn::Lt(dir.z, zero));
@@ -361,6 +391,20 @@ class Bsdf {
   static HWY_INLINE V lambda_and_half(V shadow, V cosine) {
     return hn::Div(shadow, hn::Max(hn::Add(cosine, cosine), kTiny()));
   }
+  // Smooth surfaces lack light mostly at cosines of about alpha, so half of the rays that stand for
+  // it have the density (cosine / pi) grazing(cosine). Without them, rare rays would be too bright.
+  HWY_INLINE V grazing(V cosine) const {
+    const V sum = hn::Max(hn::Add(squared(cosine), alpha2_), kTiny());
+    return hn::Div(grazing_scale_, hn::Mul(sum, hn::Sqrt(sum)));
+  }
+  // The square of the cosine below which the part `u` of them is.
+  HWY_INLINE V grazing_square(V u) const {
+    const V one = hn::Set(d, 1), alpha = hn::Max(hn::Sqrt(alpha2_), hn::Set(d, 1e-6f));
+    const V steep = hn::Div(one, alpha);
+    const V flat = hn::Div(one, hn::Sqrt(hn::Add(one, alpha2_)));
+    const V root = hn::Sub(steep, hn::Mul(u, hn::Sub(steep, flat)));
+    return clamp_unit(hn::Sub(hn::Div(one, squared(root)), alpha2_));
+  }
   // If nothing is transmitted, normals that reflect the ray below the surface are left out where
   // possible: Tokuyoshi and Eto 2024, "Bounded VNDF Sampling for the Smith-GGX BRDF".
   HWY_INLINE V bound_of_normals() {
@@ -391,6 +435,8 @@ class Bsdf {
   const Lobes& s_;
   const V3 out_;
   const M smooth_;
+  M clear_;  // glass is invisible
+  V cover_;  // 0 if the index of refraction is 1
   const WideEnergy energy_;
   V alpha2_;
   bool any_glass_, any_mirror_, any_coat_;
@@ -399,6 +445,7 @@ class Bsdf {
   V3 missing_;
   V glass_out_, glass_reflected_, glass_refracted_;
   V specular_, back_;  // probabilities of sample()
+  V grazing_, grazing_scale_;
   V bound_, stretched_;
 };
 

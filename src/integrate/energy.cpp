@@ -11,37 +11,38 @@
 namespace raio::core {
 namespace {
 
-// Points of the unit disc with weights. They are denser near its rim, from which the long tail of
-// GGX comes. Half of the azimuths suffice: energy does not depend on the sign of an azimuth.
-constexpr size_t kAzimuths = 24, kRings = 48;
-
+// Points of the unit disc with weights, along Fermat's spiral: the integrands have kinks, which a
+// lattice would sample badly. They are denser near the rim, from which the long tail of GGX comes.
 struct DiscPoint {
   float inner;  // 1 - the square of the radius
   float cosine, sine;
   float weight;
 };
-std::array<DiscPoint, kAzimuths * kRings> disc_points() {
-  std::array<DiscPoint, kAzimuths * kRings> points{};
-  for (size_t a = 0; a < kAzimuths; ++a)
-    for (size_t r = 0; r < kRings; ++r) {
-      const double azimuth = (double(a) + 0.5) * std::numbers::pi / kAzimuths;
-      const double x = (double(r) + 0.5) / kRings, low = double(r) / kRings,
-                   high = low + 1.0 / kRings;
-      points[a * kRings + r] = {float(x * x * x), float(exact_cos(azimuth)),
-                                float(exact_sin(azimuth)),
-                                float((high * high * high - low * low * low) / kAzimuths)};
-    }
+template <uint32_t kPoints>
+std::array<DiscPoint, kPoints> disc_points() {
+  constexpr double kGolden = 0.6180339887498949, kCount = double(kPoints);
+  std::array<DiscPoint, kPoints> points{};
+  for (size_t i = 0; i < kPoints; ++i) {
+    const double turns = double(i) * kGolden, part = (double(i) + 0.5) / kCount;
+    const double azimuth = 2 * std::numbers::pi * (turns - std::floor(turns));
+    points[i] = {float(part * part), float(exact_cos(azimuth)), float(exact_sin(azimuth)),
+                 float(2 * part / kCount)};
+  }
   return points;
 }
+
+// Of points. Total internal reflection has the hardest kink.
+constexpr uint32_t kFew = 768, kMany = 2560;
 
 // The coordinate of a column, and the cosine of a column. The former's first part resolves
 // Fresnel's reflectance, the latter masking, which depends on mu / alpha near grazing angles.
 double column_of(double mu, double alpha) {
-  return (std::sqrt(mu) + mu / std::sqrt(alpha * alpha * (1 - mu * mu) + mu * mu)) / 2;
+  const double width = std::min(alpha, double(EnergyTables::kWidest));
+  return (1.5 * mu / (mu + 0.5) + mu / std::sqrt(width * width * (1 - mu * mu) + mu * mu)) / 2;
 }
 double cosine_of(double column, double alpha) {
   double low = 0, high = 1;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 24; ++i) {
     const double mid = (low + high) / 2;
     (column_of(mid, alpha) < column ? low : high) = mid;
   }
@@ -50,20 +51,23 @@ double cosine_of(double column, double alpha) {
 
 using Row = std::array<float, EnergyTables::kColumns>;
 
-// As that of the header.
+// dielectric_reflectance(). `behind`: the cosine of the refracted ray, 0 at total internal
+// reflection.
 inline float reflectance(float cosine, float eta, float behind) {
-  const float parallel = (eta * cosine - behind) / (eta * cosine + behind);
-  const float perpendicular = (cosine - eta * behind) / (cosine + eta * behind);
-  return behind > 0 ? (parallel * parallel + perpendicular * perpendicular) / 2 : 1.0f;
+  const float across = eta * behind, along = eta * cosine;
+  const float parallel = (along - behind) * (cosine + across);
+  const float perpendicular = (cosine - across) * (along + behind);
+  const float both = (along + behind) * (cosine + across);
+  return (parallel * parallel + perpendicular * perpendicular) / (2 * both * both);
 }
 
 // For each cosine of `mu`, the mean of energy(reflectance, masking of the reflected direction, that
 // of the refracted one) over the normals that are visible. Maskings are G2 / G1; 0 on the wrong
 // side. Visible normals after Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical
-// Caps". The loop over columns is vectorised by compilers.
-template <class Energy>
+// Caps". Compilers vectorise the loop over columns; GCC 12 does not if the cosine has a maximum.
+template <uint32_t kPoints, class Energy>
 Row mean_over_normals(const Row& mu, float alpha, float eta, const Energy& energy) {
-  static const auto kPoints = disc_points();
+  static const auto points = disc_points<kPoints>();
   const float alpha2 = alpha * alpha, inverse = 1 / eta, inverse2 = inverse * inverse;
   Row sine{}, shadow{}, top{}, side{}, sum{};
   for (size_t i = 0; i < mu.size(); ++i) {
@@ -71,17 +75,17 @@ Row mean_over_normals(const Row& mu, float alpha, float eta, const Energy& energ
     shadow[i] = std::sqrt(alpha2 * sine[i] * sine[i] + mu[i] * mu[i]);
     top[i] = mu[i] / shadow[i], side[i] = alpha * sine[i] / shadow[i];
   }
-  for (const DiscPoint& p : kPoints) {
+  for (const DiscPoint& p : points) {
     for (size_t i = 0; i < mu.size(); ++i) {
       const float out_z = mu[i], height = p.inner * (1 + top[i]), z = height - top[i];
       const float around = std::sqrt(std::max(1 - z * z, 0.0f));
       const float x = alpha * (around * p.cosine + side[i]), y = alpha * around * p.sine;
       const float scale = 1 / std::sqrt(x * x + y * y + height * height);
       const float half_z = height * scale;
-      const float cosine = std::max((sine[i] * x + out_z * height) * scale, 1e-12f);
+      const float cosine = std::abs(sine[i] * x + out_z * height) * scale + 1e-6f;  // not 0
       const float visible = out_z + shadow[i];
       const auto masking = [&](float in_z) {
-        const float in = std::max(in_z, 0.0f);
+        const float in = std::max(in_z, 1e-15f);  // not 0 / 0, not denormal
         const float in_shadow = std::sqrt(alpha2 + (1 - alpha2) * in * in);
         return visible * in / (shadow[i] * in + in_shadow * out_z);
       };
@@ -107,26 +111,31 @@ double dielectric_reflectance(double cosine, double eta) {
   return (parallel * parallel + perpendicular * perpendicular) / 2;
 }
 
-template <class Energy>
+template <uint32_t kPoints, class Energy>
 uint32_t EnergyTables::add(float eta, const Energy& energy) {
-  constexpr double kSmallest = 1e-3;  // of mu / alpha
   const auto first = uint32_t(numbers_.size());
   numbers_.resize(first + kNumbers);
   parallel_for(kRows, [&](size_t row) {
-    // Not 0, where no column has a masking.
-    const double roughness = std::max(double(row) / (kRows - 1), 1e-2);
-    const double alpha = roughness * roughness;
+    const double part = (double(row) - 1) / (kRows - 2);
+    const double root = double(kSmoothestRoot) + part * (1 - double(kSmoothestRoot));
+    const double alpha = row == 0 ? 0 : root * root * root * root;
+    constexpr double kLeast = 1e-6;  // of mu; E has a limit at 0
+    const auto square_of = [&](double column) {
+      const double mu = std::max(cosine_of(column / (kColumns - 1), alpha), kLeast);
+      return mu * mu;
+    };
     Row mu{};
-    for (size_t i = 0; i < kColumns; ++i)
-      mu[i] = float(std::max(cosine_of(double(i) / (kColumns - 1), alpha), kSmallest * alpha));
-    const Row numbers = mean_over_normals(mu, float(alpha), eta, energy);
-    double average = 0, before = 0;
+    for (size_t i = 0; i < kColumns; ++i) mu[i] = float(std::sqrt(square_of(double(i))));
+    const Row numbers = mean_over_normals<kPoints>(mu, float(alpha), eta, energy);
+    float* const out = &numbers_[first + row * kColumns];
+    // The integral of E over mu^2, by parts, since E is linear between columns.
+    double average = double(std::min(numbers.back(), 1.0f)), before = square_of(0);
     for (size_t i = 0; i < kColumns; ++i) {
-      const double square = double(mu[i]) * double(mu[i]);
-      const float number = std::min(numbers[i], 1.0f);
-      const double last = i > 0 ? double(numbers_[first + row * kColumns + i - 1]) : double(number);
-      average += (square - before) * (last + double(number)) / 2;
-      numbers_[first + row * kColumns + i] = number, before = square;
+      out[i] = std::min(numbers[i], 1.0f);
+      if (i == 0) continue;
+      const double after = square_of(double(i));
+      const double mean = (before + 4 * square_of(double(i) - 0.5) + after) / 6;
+      average -= (double(out[i]) - double(out[i - 1])) * mean, before = after;
     }
     numbers_[first + kRows * kColumns + row] = float(average);
   });
@@ -136,7 +145,7 @@ uint32_t EnergyTables::add(float eta, const Energy& energy) {
 uint32_t EnergyTables::conductor() {
   if (has_conductor_) return conductor_;
   has_conductor_ = true;
-  return conductor_ = add(1, [](float, float reflected, float) { return reflected; });
+  return conductor_ = add<kFew>(1, [](float, float reflected, float) { return reflected; });
 }
 
 EnergyTables::Dielectric EnergyTables::dielectric(float ior) {
@@ -146,8 +155,9 @@ EnergyTables::Dielectric EnergyTables::dielectric(float ior) {
     return part * reflected + (1 - part) * refracted;
   };
   Dielectric tables;
-  tables.reflection = add(ior, [](float part, float reflected, float) { return part * reflected; });
-  tables.entering = add(ior, both), tables.leaving = add(1 / ior, both);
+  tables.reflection =
+      add<kFew>(ior, [](float part, float reflected, float) { return part * reflected; });
+  tables.entering = add<kFew>(ior, both), tables.leaving = add<kMany>(1 / ior, both);
   dielectrics_.emplace_back(ior, tables);
   return tables;
 }

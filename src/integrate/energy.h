@@ -12,12 +12,19 @@ namespace raio::core {
 /// masking, and their averages, 2 times the integral of E mu over mu. Kulla and Conty 2017,
 /// "Revisiting Physically Based Shading at Imageworks".
 ///
-/// A table has a row for each roughness, the square root of alpha; its columns are equally spaced
-/// in the mean of the square root of mu and mu / (alpha^2 (1 - mu^2) + mu^2)^(1/2). After the rows,
-/// it has their averages. Values between are bilinear.
+/// The first row of a table is that of perfectly smooth surfaces; the others are equally spaced in
+/// the square root of the roughness, whose square is alpha, from kSmoothest to 1. Columns are
+/// equally spaced in the mean of 1.5 mu / (mu + 1/2) and mu / (width^2 (1 - mu^2) + mu^2)^(1/2),
+/// where width = min(alpha, kWidest). After the rows, a table has their averages. Values between
+/// are bilinear.
 class EnergyTables {
  public:
-  static constexpr uint32_t kRows = 32, kColumns = 64, kNumbers = kRows * (kColumns + 1);
+  static constexpr uint32_t kRows = 32, kColumns = 97, kNumbers = kRows * (kColumns + 1);
+
+  /// Below, reflections are perfectly sharp. The square of alpha is 1e-6 of a texture's roughness
+  /// 1 / 32.
+  static constexpr float kSmoothest = 1.0f / 32, kSmoothestRoot = 0.17677669f;
+  static constexpr float kWidest = 1.0f / 32;
 
   /// The tables of a surface that separates indices of refraction, those outside and inside.
   struct Dielectric {
@@ -33,7 +40,7 @@ class EnergyTables {
   const float* numbers() const { return numbers_.data(); }
 
  private:
-  template <class Energy>
+  template <uint32_t kPoints, class Energy>
   uint32_t add(float eta, const Energy& energy);
 
   std::vector<float> numbers_;
