@@ -32,7 +32,7 @@ std::array<DiscPoint, kPoints> disc_points() {
 }
 
 // Of points. Total internal reflection has the hardest kink.
-constexpr uint32_t kFew = 768, kMany = 2560;
+constexpr uint32_t kFew = 640, kMany = 2048;
 
 // The coordinate of a column, and the cosine of a column. The former's first part resolves
 // Fresnel's reflectance, the latter masking, which depends on mu / alpha near grazing angles.
@@ -46,7 +46,24 @@ double cosine_of(double column, double alpha) {
     const double mid = (low + high) / 2;
     (column_of(mid, alpha) < column ? low : high) = mid;
   }
-  return high;
+  return std::max(high, 1e-6);  // E has a limit at 0
+}
+
+double alpha_of(size_t row) {
+  constexpr auto kRoot = double(EnergyTables::kSmoothestRoot);
+  if (row == 0) return 0;
+  const double root = kRoot + double(row - 1) / (EnergyTables::kRows - 2) * (1 - kRoot);
+  return root * root * root * root;
+}
+
+// The cosines of each row's columns, and of the middles between them.
+using Cosines = std::array<std::array<double, 2 * EnergyTables::kColumns - 1>, EnergyTables::kRows>;
+Cosines all_cosines() {
+  Cosines all;
+  for (size_t row = 0; row < all.size(); ++row)
+    for (size_t i = 0; i < all[row].size(); ++i)
+      all[row][i] = cosine_of(double(i) / double(all[row].size() - 1), alpha_of(row));
+  return all;
 }
 
 using Row = std::array<float, EnergyTables::kColumns>;
@@ -113,29 +130,21 @@ double dielectric_reflectance(double cosine, double eta) {
 
 template <uint32_t kPoints, class Energy>
 uint32_t EnergyTables::add(float eta, const Energy& energy) {
+  static const Cosines cosines = all_cosines();
   const auto first = uint32_t(numbers_.size());
   numbers_.resize(first + kNumbers);
   parallel_for(kRows, [&](size_t row) {
-    const double part = (double(row) - 1) / (kRows - 2);
-    const double root = double(kSmoothestRoot) + part * (1 - double(kSmoothestRoot));
-    const double alpha = row == 0 ? 0 : root * root * root * root;
-    constexpr double kLeast = 1e-6;  // of mu; E has a limit at 0
-    const auto square_of = [&](double column) {
-      const double mu = std::max(cosine_of(column / (kColumns - 1), alpha), kLeast);
-      return mu * mu;
-    };
+    const auto square_of = [&](size_t half) { return cosines[row][half] * cosines[row][half]; };
     Row mu{};
-    for (size_t i = 0; i < kColumns; ++i) mu[i] = float(std::sqrt(square_of(double(i))));
-    const Row numbers = mean_over_normals<kPoints>(mu, float(alpha), eta, energy);
+    for (size_t i = 0; i < kColumns; ++i) mu[i] = float(cosines[row][2 * i]);
+    const Row numbers = mean_over_normals<kPoints>(mu, float(alpha_of(row)), eta, energy);
     float* const out = &numbers_[first + row * kColumns];
+    for (size_t i = 0; i < kColumns; ++i) out[i] = std::min(numbers[i], 1.0f);
     // The integral of E over mu^2, by parts, since E is linear between columns.
-    double average = double(std::min(numbers.back(), 1.0f)), before = square_of(0);
-    for (size_t i = 0; i < kColumns; ++i) {
-      out[i] = std::min(numbers[i], 1.0f);
-      if (i == 0) continue;
-      const double after = square_of(double(i));
-      const double mean = (before + 4 * square_of(double(i) - 0.5) + after) / 6;
-      average -= (double(out[i]) - double(out[i - 1])) * mean, before = after;
+    auto average = double(out[kColumns - 1]);
+    for (size_t i = 1; i < kColumns; ++i) {
+      const double mean = (square_of(2 * i - 2) + 4 * square_of(2 * i - 1) + square_of(2 * i)) / 6;
+      average -= (double(out[i]) - double(out[i - 1])) * mean;
     }
     numbers_[first + kRows * kColumns + row] = float(average);
   });
