@@ -1,9 +1,12 @@
 """Pictures and movies on several workers."""
 
 import os
+import pathlib
 import pickle
 import random
+import re
 import signal
+import subprocess
 import threading
 import time
 import types
@@ -17,6 +20,8 @@ from raio._portions import Portion, Portions
 distributed = pytest.importorskip("distributed")
 import raio.distribute as distribute  # noqa: E402
 from raio import _tasks, _worker  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 pytestmark = pytest.mark.filterwarnings("default")  # the library's own
 
@@ -464,3 +469,50 @@ def test_encrypted_connections():
         assert client.scheduler.address.startswith("tls://")
         scene = moving(1)
         assert same_bytes(distribute.render(scene, client=client, **FRAME), scene.render(**FRAME))
+
+# --- SLURM, without Python
+
+
+@pytest.fixture
+def sbatch(program, tmp_path):
+    """Runs a script of examples/slurm with a job's variables: its status and what it reports."""
+    step = tmp_path / "bin" / "srun"
+    step.parent.mkdir()
+    step.write_text('#!/bin/bash\nwhile [[ $1 == --* ]]; do shift; done\nexec "$@"\n')
+    step.chmod(0o755)
+
+    def run(script, *arguments, job=0, jobs=2, **variables):
+        slurm = {"SLURM_ARRAY_TASK_ID": job, "SLURM_ARRAY_TASK_COUNT": jobs, "SLURM_ARRAY_TASK_MAX": jobs - 1}
+        texts = {name: str(value) for name, value in {**slurm, **variables}.items()}
+        done = subprocess.run(["bash", ROOT / "examples/slurm" / script, *arguments], text=True, capture_output=True,
+                              env={**os.environ, **texts, "RAIO": str(program),
+                                   "PATH": f"{step.parent}:{os.environ['PATH']}"})
+        return done.returncode, done.stderr
+
+    return run
+
+
+def test_scripts_of_slurm(sbatch, tmp_path, program):
+    atoms = tmp_path / "atoms.xyz"
+    atoms.write_text("3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n")
+    options = ["--size", "400x300", "--samples", "2"]
+    for job in 0, 1, 1:  # the last one was requeued
+        assert sbatch("render.sbatch", atoms, *options, "--checkpoint-interval", "9", job=job)[0] == 0
+    for arguments, variables, text in [
+            ([atoms], {"jobs": 3}, "array of another size, not of 3; delete .*atoms.xyz.parts"),
+            ([atoms, "-o", "a.png"], {}, "-o is set by this script"),
+            ([atoms, "--shard=1/2"], {}, "--shard is set by this script"),
+            ([atoms, "--checkpoint", "a.raio"], {}, "--checkpoint is set by this script"),
+            ([atoms], {"RAIO_SHARDS": "two"}, "RAIO_SHARDS: expected the number of parts, found two"),
+            ([tmp_path / "no.xyz"], {}, "has no scene .*no.xyz")]:
+        status, said = sbatch("render.sbatch", *arguments, **variables)
+        assert status == 2 and re.search(text, said), said
+    # Annotations, as docs/cluster.md tells.
+    legend, whole = [*options, "--legend"], tmp_path / "whole.raio"
+    assert sbatch("merge.sbatch", atoms, whole)[0] == 0
+    for path, more in (tmp_path / "a.png", ["--checkpoint", whole, "--resume"]), (tmp_path / "b.png", []):
+        done = subprocess.run([program, "render", atoms, *legend, *more, "-o", path], capture_output=True, text=True)
+        if "Cairo" in done.stderr:
+            pytest.skip(done.stderr)
+        assert done.returncode == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
