@@ -89,6 +89,15 @@ def indices(name: str, value: Any, width: Literal[2, 3, 4], limit: int) -> npt.N
     return np.array(array, dtype=np.uint32, order="C")
 
 
+def number(name: str, value: Any, is_whole: bool = False) -> float:
+    """One real number, perhaps a whole one. Raises TypeError for anything else."""
+    array = np.asarray(value)
+    if array.shape or array.dtype.kind not in ("iu" if is_whole else "fiu"):
+        raise TypeError(f"{name}: expected a {'whole ' if is_whole else ''}number, found {value!r}")
+    found: float = array.item()
+    return found
+
+
 def triple(name: str, value: Any) -> tuple[float, float, float]:
     """Three finite numbers."""
     array = np.asarray(value)

@@ -13,6 +13,8 @@ class Reporter:
     """Passes the progress on. `report` is None if nobody wants it."""
 
     def __init__(self, progress: Progress):
+        if not callable(progress) and progress not in (True, False, None):
+            raise TypeError(f"progress: expected True, False or a function, found {progress!r}")
         self._bar: Any = None
         self._stage = ""
         self._tell = progress

@@ -2,6 +2,8 @@
 
 import hashlib
 import math
+import operator
+import pkgutil
 import time
 import warnings
 from collections.abc import Hashable, Iterator
@@ -9,8 +11,9 @@ from typing import Any
 
 import dask
 from distributed import Client, Future, KilledWorker, as_completed, default_client
+from distributed.protocol.pickle import dumps
 
-from . import _raio, _worker
+from . import _raio
 
 
 class Killed(Exception):
@@ -49,10 +52,13 @@ class Tasks:
     def __enter__(self) -> "Tasks":
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
         if self._pending and self.client.status == "running":
             self.client.cancel(list(self._pending))
         self._pending.clear()
+        is_told = isinstance(error, ConnectionError) or not isinstance(error, Exception)
+        if not is_told and self.client.status not in ("running", "connecting"):
+            raise ConnectionError("the cluster or the client was closed") from error
 
     def __len__(self) -> int:
         return len(self._pending)
@@ -85,16 +91,23 @@ class Tasks:
         """As many tasks that no core waits; one where there is none, for clusters that adapt to their load."""
         return 2 * self._cores + 2 if self._cores else 1
 
-    def data(self, value: Any) -> Future:
-        """Data that tasks get as an argument. The scheduler keeps it, in case that all workers with it end."""
-        with dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 TB"}):
-            return self.client.submit(_worker.same, value, pure=False)
+    def data(self, value: bytes) -> Future:
+        """Data that tasks share. The scheduler keeps it, in case that all workers with it end."""
+        with _large_graphs():
+            return self.client.submit(bytes, value, pure=False)
 
-    def submit(self, item: Any, work: str, *arguments: Any) -> None:
-        """Asks for an item of work."""
+    def submit(self, item: Any, work: str, *arguments: Any, data: Future | None = None) -> None:
+        """Asks for an item of work.
+
+        The task finds this package only when it runs, and its arguments are bytes until then: the scheduler does
+        not need the package, and a worker without it says so instead of ending.
+        """
         self._count += 1
-        future = self.client.submit(_worker.checked, _raio.version(), work, *arguments, pure=False,
-                                    key=(self._name, self._count))
+        key = (self._name, self._count)
+        work_of_worker = (pkgutil.resolve_name, "raio._worker:checked")
+        task = (operator.call, work_of_worker, _raio.version(), work, dumps(arguments), data)
+        with _large_graphs():
+            future = self.client.get({key: task}, key, sync=False)
         self._pending[future] = item
         self._ended.add(future)
 
@@ -133,10 +146,18 @@ class Tasks:
         return [future for future in late if not holders.get(future.key)]
 
 
+def _large_graphs() -> Any:
+    """Without Dask's warning about them."""
+    return dask.config.set({"distributed.admin.large-graph-warning-threshold": "1 TB"})
+
+
 def _explained(error: BaseException) -> BaseException:
     if isinstance(error, KilledWorker):
-        return Killed(str(error))
-    if isinstance(error, (ImportError, AttributeError)) and "raio" in str(error):
+        return Killed(f"{error.allowed_failures + 1} workers ended while they did the same work, the last of them "
+                      f"{error.last_worker.address}. Most likely the scene needs more memory than a worker has: give "
+                      "workers more, or have fewer workers with more threads. The workers' logs may tell more")
+    is_of_raio = isinstance(error, ImportError) and (error.name or "").split(".")[0] == "raio"
+    if is_of_raio or isinstance(error, AttributeError) and "raio._worker" in str(error):
         return RuntimeError(f"a worker cannot run raio {_raio.version()} ({error}); install the client's version "
                             "where the workers run")
     return error

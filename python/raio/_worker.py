@@ -1,6 +1,7 @@
 """What workers of raio.distribute do. They may have another version of this package: see checked()."""
 
 import os
+import pickle
 import sys
 import threading
 import time
@@ -22,8 +23,12 @@ class Cancelled(Exception):
     """Nobody waits for this task any more."""
 
 
-def checked(version: str, work: str, *arguments: Any) -> Any:
+def checked(version: str, work: str, arguments: bytes, data: bytes | None = None) -> Any:
     """Does this work, if the client has the version of this package.
+
+    Args:
+        arguments: of the work, pickled.
+        data: of a portion's scene.
 
     Raises:
         RuntimeError: it has another.
@@ -31,13 +36,9 @@ def checked(version: str, work: str, *arguments: Any) -> Any:
     if version != _raio.version():
         raise RuntimeError(f"the client has raio {version}, but the worker {get_worker().name} has raio "
                            f"{_raio.version()}; install the same version on both")
-    works: dict[str, Callable[..., Any]] = {"portion": portion, "frame": frame}
-    return works[work](*arguments)
-
-
-def same(value: Any) -> Any:
-    """Data of a client."""
-    return value
+    if work == "portion":
+        return portion(data, *pickle.loads(arguments))
+    return frame(*pickle.loads(arguments))
 
 
 def _stop_if_cancelled() -> Callable[..., None]:
@@ -133,13 +134,19 @@ def _check_sky(core: _raio.Scene, has_background: bool) -> None:
                          "of the scene's file instead, or a background")
 
 
-def portion(source: tuple[Any, ...], data: bytes | None, structure: dict[str, str], texts: dict[str, str],
+def _check_is_there(path: str | os.PathLike[str]) -> None:
+    if not os.path.exists(path):
+        raise FileNotFoundError(f"the worker {get_worker().name} has no file {os.fspath(path)}; put it where all "
+                                "workers find it, or load it first: raio.load()")
+
+
+def portion(data: bytes | None, source: tuple[Any, ...], structure: dict[str, str], texts: dict[str, str],
             shard: int, shards: int, first: int, end: int) -> tuple[bytes, float]:
     """Renders a portion of a picture: the bytes of a part, and the seconds for its samples.
 
     Args:
-        source: a key of the scene; for a file, its path and the options for reading it follow.
         data: of a scene without a file.
+        source: a key of the scene; for a file, its path and the options for reading it follow.
         structure: the settings of the structure.
         texts: the settings of the picture.
     """
@@ -149,9 +156,7 @@ def portion(source: tuple[Any, ...], data: bytes | None, structure: dict[str, st
     def make() -> tuple[_raio.Accel, int]:
         if data is None:
             _, path, read = source
-            if not os.path.exists(path):
-                raise FileNotFoundError(f"the worker {get_worker().name} has no file {path}; put it where all "
-                                        "workers find it, or load it first: raio.load()")
+            _check_is_there(path)
             core = _raio.Scene.read(path, _settings({**dict(read), "threads": threads}))
         else:
             core = _raio.Scene.from_bytes(data)
@@ -201,6 +206,7 @@ def _frame(make: Any, index: int, options: dict[str, Any], suffix: str) -> tuple
             raise TypeError(f"{next(iter(read))} is an option for reading a file, but the frame is no path")
         others["threads"] = get_worker().state.nthreads
         if isinstance(made, (str, os.PathLike)):
+            _check_is_there(made)
             made = render(made, progress=check, **read, **others)
         elif isinstance(made, Scene):
             if made is make and made._base is not None:

@@ -1,4 +1,4 @@
-"""Pictures and movies on many machines, by the workers of dask.distributed (`pip install raio[distribute]`).
+"""Pictures and movies on many machines, by the workers of dask.distributed (`pip install distributed`).
 
 The bytes are those of one process, for any workers, in any order, and whatever is lost on the way.
 """
@@ -15,10 +15,11 @@ from typing import Any, Unpack
 try:
     import distributed
 except ImportError as error:
-    raise ImportError("raio.distribute needs dask.distributed: pip install raio[distribute]") from error
+    raise ImportError("raio.distribute needs dask.distributed: pip install distributed") from error
 
 from . import _raio
 from ._annotations import Annotations, split as split_annotations
+from ._arrays import number
 from ._files import load
 from ._film import Image, Path as AnyPath
 from ._options import settings, split as split_read, table, texts
@@ -56,8 +57,8 @@ def render(scene: Scene | AnyPath, *, client: distributed.Client | None = None, 
 
     Raises:
         ValueError, TypeError: an argument does not fit, or there is no client.
-        RuntimeError: a worker has another version of raio, or workers ended again and again.
-        MemoryError: the scene does not fit into a worker's memory limit.
+        RuntimeError: a worker has no raio, or another version.
+        MemoryError: the scene does not fit into a worker's memory limit, or workers ended again and again.
         ConnectionError: the scheduler is gone.
 
     Examples:
@@ -70,9 +71,9 @@ def render(scene: Scene | AnyPath, *, client: distributed.Client | None = None, 
         <raio.Image of 64 x 48>
         >>> client.shutdown()
     """
-    picture = _Picture(scene, dict(options), preview)
-    if task_seconds is not None and not task_seconds > 0:
+    if task_seconds is not None and not number("task_seconds", task_seconds) > 0:
         raise ValueError(f"task_seconds: expected a number above 0, found {task_seconds}")
+    picture = _Picture(scene, dict(options), preview)
     with Reporter(progress) as reporter, Tasks(client, f"raio-portion-{os.urandom(8).hex()}") as tasks:
         try:
             picture.run(tasks, reporter, task_seconds)
@@ -86,9 +87,13 @@ class _Picture:
 
     def __init__(self, scene: Scene | AnyPath, options: dict[str, Any], preview: Preview):
         read, others = split_read(options)
+        if not isinstance(scene, (Scene, str, os.PathLike)):
+            raise TypeError(f"scene: expected a Scene or the path of a scene file, found {scene!r}")
         if isinstance(scene, Scene) and read:
             raise TypeError(f"{next(iter(read))} is an option for reading a file")
-        self._checkpoint, self._interval_s, resume = _own(others)
+        own = _own(others)
+        self._checkpoint = texts(own).get("checkpoint", "")
+        self._interval_s = float(own.get("checkpoint_interval", 60))
         marks, others = split_annotations(others)
         self._shown = _Shown(preview)
         settings(others)  # reports errors before a file is read
@@ -106,11 +111,12 @@ class _Picture:
         annotations = Annotations(scene, marks)
         wanted = scene._with_defaults(others)
         self.film = _raio.begin(core, settings(wanted))
-        if annotations:
-            annotations.put_on(self.film)
         missing = self.film.missing(0, 1)
         samples = missing[0][1] if missing else 0
-        self._resume(resume)
+        if own:
+            self.film = _raio.begin(core, settings({**wanted, **own}))  # with what the checkpoint has
+        if annotations:
+            annotations.put_on(self.film)
         self._portions = Portions(self.film, samples)
         self._structure, self._texts = texts(structure_options(wanted)), self._settings()
         self._on_workers: Any = None
@@ -124,26 +130,13 @@ class _Picture:
         return {name: value for name, value in values.items()
                 if value and name not in ("threads", "shard", "sample-range")}
 
-    def _resume(self, resume: bool) -> None:
-        if not self._checkpoint:
-            return
-        if not os.path.exists(self._checkpoint):
-            folder = os.path.dirname(self._checkpoint) or "."
-            if not os.access(folder, os.W_OK):
-                raise OSError(f"checkpoint: the folder {folder} is missing or cannot be written")
-        elif resume:
-            self.film.add(Path(self._checkpoint).read_bytes())
-        else:
-            raise ValueError(f"checkpoint: {self._checkpoint} already exists; resume=True continues it, or choose "
-                             "another name")
-
     def run(self, tasks: Tasks, reporter: Reporter, longest_s: float | None) -> None:
         while self._portions or len(tasks) > 0:
             cores = tasks.cores()
             while self._portions and len(tasks) < tasks.enough():
                 portion = self._portions.take(max(cores, 1), longest_s or max(4, cores / _TASKS_PER_S))
-                tasks.submit(portion, "portion", self._source, self._scene_data(tasks), self._structure, self._texts,
-                             *portion)
+                tasks.submit(portion, "portion", self._source, self._structure, self._texts, *portion,
+                             data=self._scene_data(tasks))
             for portion, result in tasks.ended(0.2):
                 self._take(portion, result)
             if reporter.report:
@@ -167,7 +160,7 @@ class _Picture:
             self._portions.put_back(portion)
         elif isinstance(result, Killed):
             if portion.end - portion.first == 1 or not self._portions.halve(portion):
-                raise RuntimeError(f"{result} Is the scene too large for the workers' memory?")
+                raise MemoryError(str(result))
         elif isinstance(result, BaseException):
             raise result
         else:
@@ -201,22 +194,24 @@ def _absolute(background: Any) -> Any:
     return os.path.abspath(background) if is_path else background
 
 
-def _own(options: dict[str, Any]) -> tuple[str, float, bool]:
-    """Removes and returns the options of this process: checkpoint, its interval, resume."""
+def _own(options: dict[str, Any]) -> dict[str, Any]:
+    """Removes and returns the options of this process: checkpoint, its interval, resume; those that are not None."""
     for name, why in (("threads", "the workers have as many threads as the cluster gave them"),
                       ("shard", "workers share the whole picture"), ("sample_range", "workers share all samples"),
                       ("noise", "workers share the samples of all pixels; use Scene.render() with shard"),
                       ("time_limit", "use Scene.render()")):
         if options.pop(name, None) is not None:
             raise TypeError(f"{name} is not for raio.distribute: {why}")
-    settings({name: options[name] for name in ("checkpoint", "checkpoint_interval", "resume") if name in options})
-    checkpoint = os.fspath(options.pop("checkpoint", None) or "")
-    interval, resume = options.pop("checkpoint_interval", None), options.pop("resume", None)
-    if not checkpoint and (resume or interval is not None):
-        raise TypeError(f"{'resume' if resume else 'checkpoint_interval'} has no effect without checkpoint")
-    if checkpoint and not checkpoint.endswith(".raio"):
+    names = ("checkpoint", "resume", "checkpoint_interval")
+    given = {name: options.pop(name, None) for name in names}
+    own = {name: value for name, value in given.items() if value is not None and value is not False}
+    settings(own)  # reports errors
+    checkpoint = texts(own).get("checkpoint")
+    if own and checkpoint is None:
+        raise TypeError(f"{next(iter(own))} has no effect without checkpoint")
+    if checkpoint is not None and not checkpoint.endswith(".raio"):
         raise ValueError(f"checkpoint: expected a name that ends in .raio, found {checkpoint!r}")
-    return checkpoint, 60.0 if interval is None else float(interval), bool(resume)
+    return own
 
 
 class _Shown:
@@ -230,12 +225,16 @@ class _Shown:
             self._show = preview
         elif preview is True:
             self._show = _in_notebook()
-        elif preview:
-            path = os.fspath(preview)
-            suffix = Path(path).suffix.lower()
+        elif isinstance(preview, (str, os.PathLike)):
+            path = Path(preview)
+            suffix = path.suffix.lower()
             if suffix not in (".png", ".ppm"):
-                raise ValueError(f"preview: expected a name that ends in .png or .ppm, found {path!r}")
-            self._show = lambda image: _replace(Path(path), image._film.encode(suffix))
+                raise ValueError(f"preview: expected a name that ends in .png or .ppm, found {str(path)!r}")
+            if not os.access(path.parent, os.W_OK):
+                raise OSError(f"preview: the folder {path.parent} is missing or cannot be written")
+            self._show = lambda image: _replace(path, image._film.encode(suffix))
+        elif preview not in (None, False):
+            raise TypeError(f"preview: expected True, False, a path or a function, found {preview!r}")
         self._next = time.monotonic() + self.PAUSE_S
 
     def update(self, film: _raio.Film, is_last: bool = False) -> None:
@@ -323,7 +322,7 @@ class _Movie:
 
     def __init__(self, frames: Any, pattern: str, count: int | None, options: dict[str, Any]):
         read, others = split_read(options)
-        if any(_own(others)[::2]):
+        if _own(others):
             raise TypeError("checkpoint is not for animate(), whose frames are kept as they are")
         marks, plain = split_annotations(others)
         settings(plain), settings(read)  # report errors
@@ -336,13 +335,15 @@ class _Movie:
                              f"{pattern!r}. ffmpeg makes a video of the pictures")
         check_pattern(pattern)
         if callable(frames):
-            if count is None or count < 1:
+            if count is None or number("count", count, is_whole=True) < 1:
                 raise ValueError(f"count: expected the number of frames, since frames is a function; found {count}")
             self._count = count
         elif not isinstance(frames, Sequence) or isinstance(frames, (str, bytes)):
             raise TypeError(f"frames: expected a list of scenes or paths, or a function; found {frames!r}")
         elif not frames:
             raise ValueError("frames: expected at least one")
+        elif count is not None:
+            raise TypeError(f"count: only for a function; frames is a list of {len(frames)}")
         else:
             self._count = len(frames)
         self._frames = frames
@@ -369,25 +370,26 @@ class _Movie:
         _, plain = split_annotations(self._options)
         made = {"version": _raio.version(), **texts(plain), **{name: repr(value) for name, value in marks.items()}}
         there = [index for index in range(self._count) if self.paths[index].exists()]
-        before: dict[str, Any] = {}
+        old: dict[str, Any] = {}
+        kept: dict[str, Any] = {}
         try:
             before = json.loads(self._record.read_text())
+            old, kept = dict(before["options"]), dict(before["frames"])
         except FileNotFoundError:
             if there:
                 raise ValueError(f"path: {self.paths[there[0]]} already exists, without {self._record.name}, which "
                                  "would tell how it was made; delete the pictures or choose another name") from None
-        except ValueError:
-            raise ValueError(f"{self._record} is damaged; delete it with the pictures") from None
-        if there and before.get("options") != made:
-            old, new = before.get("options", {}), made
-            differ = [f"{name} {old.get(name, 'not given')}, not {new.get(name, 'given')}"
-                      for name in sorted({*old, *new}) if old.get(name) != new.get(name)]
+        except (ValueError, TypeError, KeyError):
+            raise ValueError(f"path: {self._record}, which tells how the pictures were made, is damaged; delete it "
+                             "with the pictures") from None
+        if there and old != made:
+            differ = [f"{name} {old.get(name, 'not given')}, not {made.get(name, 'given')}"
+                      for name in sorted({*old, *made}) if old.get(name) != made.get(name)]
             raise ValueError(f"path: the pictures in {self._record.parent} were made with other options "
                              f"({', '.join(differ)}); delete them or choose another name")
         if there and callable(self._frames):
             warnings.warn(f"path: {len(there)} of {self._count} pictures exist and are kept; delete them if the "
                           "function has changed", RuntimeWarning, stacklevel=5)
-        kept = before.get("frames", {})
         missing = [i for i in range(self._count) if i not in set(there)
                    or kept.get(str(i)) != self._sources.get(str(i))]
         for index in missing:  # a changed frame: no old picture may look finished
@@ -398,23 +400,19 @@ class _Movie:
 
     def run(self, tasks: Tasks, reporter: Reporter) -> None:
         killed: dict[int, int] = {}
-        data: dict[int, Any] = {}  # scenes that are on their way
         while self._missing or len(tasks) > 0:
             cores = tasks.cores()
             while self._missing and len(tasks) < tasks.enough():
                 index = self._missing.pop()
                 made = self._frames if callable(self._frames) else self._frames[index]
-                if isinstance(made, Scene):
-                    made = data[index] = tasks.data(made)
-                elif not callable(made):
+                if isinstance(made, (str, os.PathLike)):
                     made = os.path.abspath(made)
                 tasks.submit(index, "frame", made, index, self._options, self._suffix)
             for index, result in tasks.ended(0.2):
-                data.pop(index, None)
                 if isinstance(result, Killed):
                     killed[index] = killed.get(index, 0) + 1
                     if killed[index] > 2:
-                        raise RuntimeError(f"frame {index}: {result}")
+                        raise MemoryError(f"frame {index}: {result}")
                 if isinstance(result, (Lost, Killed)):
                     self._missing.append(index)
                 elif isinstance(result, BaseException):

@@ -1,9 +1,13 @@
 """Pictures and movies on several workers."""
 
 import os
+import pathlib
 import pickle
 import random
+import re
 import signal
+import subprocess
+import sys
 import threading
 import time
 import types
@@ -17,6 +21,8 @@ from raio._portions import Portion, Portions
 distributed = pytest.importorskip("distributed")
 import raio.distribute as distribute  # noqa: E402
 from raio import _tasks, _worker  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 pytestmark = pytest.mark.filterwarnings("default")  # the library's own
 
@@ -271,7 +277,7 @@ def test_an_interrupted_picture_is_continued(client, scene, tmp_path, monkeypatc
         take(self, portion, result)
 
     monkeypatch.setattr(distribute._Picture, "_take", rest)
-    with pytest.raises(ValueError, match="already exists; resume=True"):
+    with pytest.raises(ValueError, match="so-far.raio: it already exists; add resume"):
         distribute.render(scene, client=client, **options)
     image = distribute.render(scene, client=client, resume=True, **options)
     assert same_bytes(image, scene.render(**SIZE))
@@ -282,8 +288,12 @@ def test_an_interrupted_picture_is_continued(client, scene, tmp_path, monkeypatc
         return [(t, k) for p in portions for t in range(p.shard, tiles, p.shards) for k in range(p.first, p.end)]
 
     assert not set(work(taken)) & set(work(again)), "rendered twice"
-    with pytest.raises(ValueError, match="samples 24, not 30"):
-        distribute.render(scene, client=client, **{**options, "samples": 30}, resume=True)
+    options["samples"] = 30  # more than before
+    assert same_bytes(distribute.render(scene, client=client, resume=True, **options),
+                      scene.render(**{**SIZE, "samples": 30}))
+    for other, text in ({"samples": 24}, "already has 30 samples"), ({"seed": 3}, "seed"):
+        with pytest.raises(ValueError, match=f"so-far.raio: .*{text}"):
+            distribute.render(scene, client=client, resume=True, **{**options, **other})
 
 
 def test_the_picture_refines_where_it_is_looked_at(client, scene, tmp_path, monkeypatch):
@@ -295,6 +305,8 @@ def test_the_picture_refines_where_it_is_looked_at(client, scene, tmp_path, monk
     image = distribute.render(scene, client=client, preview=path, **SIZE)
     image.save(tmp_path / "picture.png")
     assert path.read_bytes() == (tmp_path / "picture.png").read_bytes()
+    with pytest.raises(OSError, match="preview: the folder .*no is missing"):
+        distribute.render(scene, client=client, preview=tmp_path / "no" / "a.png")
     with pytest.raises(ValueError, match="ends in .png or .ppm"):
         distribute.render(scene, client=client, preview="picture.exr")
     with pytest.raises(ValueError, match="needs a notebook"):
@@ -325,6 +337,64 @@ def test_another_version_is_refused_by_name(client, scene, monkeypatch):
         distribute.render(scene, client=client, **SIZE)
 
 
+WITHOUT_RAIO = "import sys; sys.modules['raio'] = None"  # code that Dask runs first
+
+
+def test_workers_without_raio_are_refused(scene, tmp_path):
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0",
+                                  preload=[WITHOUT_RAIO]) as cluster, distributed.Client(cluster) as client:
+        with pytest.raises(RuntimeError, match="a worker cannot run raio .*; install the client's version"):
+            distribute.render(scene, client=client, **SIZE)
+        for frames in [scene], lambda index: scene:
+            with pytest.raises(RuntimeError, match="a worker cannot run raio"):
+                distribute.animate(frames, tmp_path / "{}.png", client=client, count=1 if callable(frames) else None)
+
+
+def test_the_scheduler_needs_no_raio(scene, tmp_path):
+    file = tmp_path / "scheduler.json"
+    arguments = ["--scheduler-file", file, "--no-dashboard"]
+    scheduler = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_scheduler", *arguments, "--port", "0",
+                                  "--preload", WITHOUT_RAIO])
+    worker = subprocess.Popen([sys.executable, "-m", "distributed.cli.dask_worker", *arguments, "--no-nanny",
+                               "--nthreads", "1"])
+    try:
+        with distributed.Client(scheduler_file=file, timeout=120) as client:
+            assert same_bytes(distribute.render(scene, client=client, **SIZE), scene.render(**SIZE))
+            path, = distribute.animate([scene], tmp_path / "{}.png", client=client, **SIZE)
+            scene.render(**SIZE).save(tmp_path / "one.png")
+            assert path.read_bytes() == (tmp_path / "one.png").read_bytes()
+    finally:
+        for process in worker, scheduler:
+            process.terminate()
+            process.wait()
+
+
+def test_workers_that_end_again_and_again(scene, tmp_path):
+    ending = "import os, raio._worker as w; w.portion = w.frame = lambda *_: os._exit(1)"
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0", preload=[ending],
+                                  scheduler_kwargs={"allowed_failures": 0}) as cluster, \
+            distributed.Client(cluster) as client:
+        with pytest.raises(MemoryError, match="^1 workers ended .* tcp://.* give workers more"):
+            distribute.render(scene, client=client, **SIZE)
+        with pytest.raises(MemoryError, match="^frame 0: 1 workers ended"):
+            distribute.animate([scene], tmp_path / "{}.png", client=client, **SIZE)
+
+
+def test_a_cluster_that_is_closed(scene):
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0") as cluster, \
+            distributed.Client(cluster) as client:
+        closing = []
+
+        def close(image):
+            if not closing:
+                closing.append(threading.Thread(target=cluster.close))
+                closing[0].start()
+
+        with pytest.raises(ConnectionError):
+            distribute.render(scene, client=client, size=(400, 300), samples=10_000_000, preview=close)
+        closing[0].join()
+
+
 def test_a_small_worker_refuses_a_large_scene(scene):
     rng = np.random.default_rng(1)
     scene.spheres(rng.random((3_000_000, 3), np.float32), 0.01)
@@ -344,7 +414,13 @@ def test_what_is_refused(client, scene, tmp_path):
         (TypeError, "style is an option for reading", {"style": "sticks"}),
         (ValueError, "task_seconds: expected", {"task_seconds": 0}),
         (ValueError, "ends in .raio", {"checkpoint": "a.png"}),
-        (OSError, "folder .* is missing", {"checkpoint": tmp_path / "no" / "a.raio"}),
+        (OSError, "no/a.raio", {"checkpoint": tmp_path / "no" / "a.raio"}),
+        (TypeError, "task_seconds: expected a number, found '4'", {"task_seconds": "4"}),
+        (TypeError, "checkpoint: expected", {"checkpoint": b"a.raio"}),
+        (ValueError, "checkpoint: expected", {"checkpoint": 3}),
+        (ValueError, "checkpoint.interval", {"checkpoint": "a.raio", "checkpoint_interval": 0}),
+        (TypeError, "preview: expected", {"preview": 3}),
+        (TypeError, "progress: expected", {"progress": "yes"}),
     ]
     for error, text, options in refused:
         with pytest.raises(error, match=text):
@@ -353,6 +429,8 @@ def test_what_is_refused(client, scene, tmp_path):
         distribute.render(scene, client="tcp://localhost", **SIZE)
     with pytest.raises(FileNotFoundError):
         distribute.render(tmp_path / "no.nff", client=client)
+    with pytest.raises(TypeError, match="scene: expected a Scene or the path"):
+        distribute.render(3, client=client)
 
 
 def test_without_a_client(scene):
@@ -366,9 +444,12 @@ def test_errors_of_workers_reach_the_caller(client, tmp_path):
                     "f 1 0 0 1 0 0 0 0\ns 0 0 0 1\n")
     source = ("key", str(path) + ".gone", ())
     client.wait_for_workers(1)
-    future = client.submit(_worker.checked, raio.__version__, "portion", source, None, {}, {}, 0, 1, 0, 1, pure=False)
-    with pytest.raises(FileNotFoundError, match="has no file .*ball.nff.gone"):
+    future = client.submit(_worker.checked, raio.__version__, "portion", pickle.dumps((source, {}, {}, 0, 1, 0, 1)),
+                           pure=False)
+    with pytest.raises(FileNotFoundError, match="worker . has no file .*ball.nff.gone"):
         future.result()
+    with pytest.raises(FileNotFoundError, match="worker . has no file .*ball.nff.gone"):
+        distribute.animate(lambda index: source[1], tmp_path / "{}.png", client=client, count=1)
 
 
 # --- movies
@@ -413,7 +494,12 @@ def test_missing_and_changed_frames_are_made(client, tmp_path):
     assert paths[2].read_bytes() == (tmp_path / "one.png").read_bytes()
     with pytest.raises(ValueError, match="made with other options .size 64x48, not 32x24"):
         distribute.animate(files, pattern, client=client, **{**FRAME, "size": (32, 24)})
-    (tmp_path / "out/frame-all.json").unlink()
+    record = tmp_path / "out/frame-all.json"
+    for text in "[]", "{}", '{"options": 3, "frames": {}}', "{":
+        record.write_text(text)
+        with pytest.raises(ValueError, match="frame-all.json, which tells .* is damaged"):
+            distribute.animate(files, pattern, client=client, **FRAME)
+    record.unlink()
     with pytest.raises(ValueError, match="frame-0.png already exists, without frame-all.json"):
         distribute.animate(files, pattern, client=client, **FRAME)
 
@@ -449,6 +535,8 @@ def test_reports_and_failures_of_frames(client, tmp_path):
             ((moving, "a{x}.png", 2), ValueError, "expected a pattern such as"),
             ((moving, "a{:.0s}.png", 2), ValueError, "expected a pattern such as"),
             ((moving, "a{}.png", None), ValueError, "count: expected"),
+            ((moving, "a{}.png", "2"), TypeError, "count: expected a whole number, found '2'"),
+            (([moving(0)], "a{}.png", 1), TypeError, "count: only for a function; frames is a list of 1"),
             (([], "a{}.png", None), ValueError, "at least one"),
             (("ab", "a{}.png", None), TypeError, "expected a list"),
             (([1], "a{}.png", None), TypeError, "found int for frame 0")]:
@@ -464,3 +552,51 @@ def test_encrypted_connections():
         assert client.scheduler.address.startswith("tls://")
         scene = moving(1)
         assert same_bytes(distribute.render(scene, client=client, **FRAME), scene.render(**FRAME))
+
+
+# --- SLURM, without Python
+
+
+@pytest.fixture
+def sbatch(program, tmp_path):
+    """Runs a script of examples/slurm with a job's variables: its status and what it reports."""
+    step = tmp_path / "bin" / "srun"
+    step.parent.mkdir()
+    step.write_text('#!/bin/bash\nwhile [[ $1 == --* ]]; do shift; done\nexec "$@"\n')
+    step.chmod(0o755)
+
+    def run(script, *arguments, job=0, jobs=2, **variables):
+        slurm = {"SLURM_ARRAY_TASK_ID": job, "SLURM_ARRAY_TASK_COUNT": jobs, "SLURM_ARRAY_TASK_MAX": jobs - 1}
+        texts = {name: str(value) for name, value in {**slurm, **variables}.items()}
+        done = subprocess.run(["bash", ROOT / "examples/slurm" / script, *arguments], text=True, capture_output=True,
+                              env={**os.environ, **texts, "RAIO": str(program),
+                                   "PATH": f"{step.parent}:{os.environ['PATH']}"})
+        return done.returncode, done.stderr
+
+    return run
+
+
+def test_scripts_of_slurm(sbatch, tmp_path, program):
+    atoms = tmp_path / "atoms.xyz"
+    atoms.write_text("3\n\nO 0 0 0\nH 0.96 0 0\nH -0.24 0.93 0\n")
+    options = ["--size", "400x300", "--samples", "2"]
+    for job in 0, 1, 1:  # the last one was requeued
+        assert sbatch("render.sbatch", atoms, *options, "--checkpoint-interval", "9", job=job)[0] == 0
+    for arguments, variables, text in [
+            ([atoms], {"jobs": 3}, "array of another size, not of 3; delete .*atoms.xyz.parts"),
+            ([atoms, "-o", "a.png"], {}, "-o is set by this script"),
+            ([atoms, "--shard=1/2"], {}, "--shard is set by this script"),
+            ([atoms, "--checkpoint", "a.raio"], {}, "--checkpoint is set by this script"),
+            ([atoms], {"RAIO_SHARDS": "two"}, "RAIO_SHARDS: expected the number of parts, found two"),
+            ([tmp_path / "no.xyz"], {}, "has no scene .*no.xyz")]:
+        status, said = sbatch("render.sbatch", *arguments, **variables)
+        assert status == 2 and re.search(text, said), said
+    # Annotations, as docs/cluster.md tells.
+    legend, whole = [*options, "--legend"], tmp_path / "whole.raio"
+    assert sbatch("merge.sbatch", atoms, whole)[0] == 0
+    for path, more in (tmp_path / "a.png", ["--checkpoint", whole, "--resume"]), (tmp_path / "b.png", []):
+        done = subprocess.run([program, "render", atoms, *legend, *more, "-o", path], capture_output=True, text=True)
+        if "Cairo" in done.stderr:
+            pytest.skip(done.stderr)
+        assert done.returncode == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
