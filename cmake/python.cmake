@@ -16,9 +16,7 @@ if(APPLE AND CMAKE_CROSSCOMPILING)  # zig makes no bundles, and reads no list of
     target_link_options(${target} PRIVATE -shared LINKER:-undefined,dynamic_lookup)
   endfunction()
 endif()
-# Without the GIL, too, where Python has none: the package changes no object of the module that another thread can
-# reach.
-nanobind_add_module(raio_python STABLE_ABI FREE_THREADED NB_STATIC python/module.cpp)
+nanobind_add_module(raio_python STABLE_ABI NB_STATIC python/module.cpp)
 # build/PRESET/python holds the whole package, for tests.
 set(package ${PROJECT_BINARY_DIR}/python/raio)
 set_target_properties(raio_python PROPERTIES OUTPUT_NAME _raio LIBRARY_OUTPUT_DIRECTORY ${package})

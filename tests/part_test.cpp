@@ -306,8 +306,10 @@ TEST(PartFile, NumbersOfChannelsAreNotTrusted) {
   EXPECT_THAT(error([](TileSamples& t) { t.means[0] = std::numeric_limits<int64_t>::max(); }),
               HasSubstr("a sum exceeds the bound of its samples"));
   for (const auto& [count, x, y] : {std::tuple(1u << 30, 0u, 0u), {1u, 99u, 0u}, {1u, 0u, 99u}})
-    EXPECT_THAT(error([&](TileSamples& t) { t.nans = {count, x, y}; }), HasSubstr("NaN"));
-  EXPECT_EQ(error([](TileSamples& t) { t.nans = {1, 3, 2}; }), "");
+    for (auto faults : {&SampleFaults::nans, &SampleFaults::clamped})
+      EXPECT_THAT(error([&](TileSamples& t) { t.faults.*faults = {count, x, y}; }),
+                  HasSubstr("NaN"));
+  EXPECT_EQ(error([](TileSamples& t) { t.faults = {{1, 3, 2}, {2, 3, 2}}; }), "");
   EXPECT_THAT(error([](TileSamples& t) { ++t.rays.eye; }), HasSubstr("counts of rays"));
   EXPECT_THAT(error([](TileSamples& t) { t.rays.eye_hits = t.rays.eye + 1; }),
               HasSubstr("counts of rays"));
@@ -354,7 +356,7 @@ TEST(PartFile, OfAnOlderFormatIsRefusedWithAdvice) {
   const auto decoded = decode_part(std::string("RAIOPART\2\0\0\0", 12));
   ASSERT_FALSE(decoded);
   EXPECT_THAT(decoded.error().text(),
-              HasSubstr("format 2, which this version cannot read (it reads 3); finish it with"));
+              HasSubstr("format 2, which this version cannot read (it reads 4); finish it with"));
 }
 
 TEST(PartFile, HugeSizesInSmallFilesAreRefused) {

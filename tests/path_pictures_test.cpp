@@ -240,7 +240,7 @@ void expect_no_nan(const Scene& scene, RenderOptions options, const std::string&
   const auto film = make_film(scene, settings);
   WorkControl control;
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
-  EXPECT_EQ((*film)->nans().count, 0u) << name;
+  EXPECT_EQ((*film)->faults().nans.count, 0u) << name;
 }
 
 TEST(PathPictures, NoSceneGivesNan) {

@@ -55,6 +55,32 @@ TEST(SceneWarnings, ReportMissingLights) {
     options.integrator = other;
     EXPECT_TRUE(warnings(scene, options).empty());
   }
+  RenderOptions paths;
+  paths.integrator = IntegratorKind::path;
+  scene.background = Rgb();
+  ASSERT_EQ(warnings(scene, paths).size(), 1u);
+  EXPECT_THAT(warnings(scene, paths)[0].sentence, HasSubstr("no light"));
+  scene.background = Rgb(0.5f);
+  EXPECT_TRUE(warnings(scene, paths).empty());
+}
+
+TEST(SceneWarnings, NameParametersThatAreNotShown) {
+  Scene scene = tests::random_scene(3, 1);
+  scene.standard_surfaces.assign(scene.materials.size(), {.is_standard = 0});
+  scene.standard_surfaces[0] = {.transmission = 0.5f, .emission = Rgb(1), .coat = 1};
+  const auto sentence = [&](IntegratorKind integrator) {
+    RenderOptions options;
+    options.integrator = integrator;
+    for (const SceneWarning& warning : warnings(scene, options))
+      if (warning.kind == SceneWarning::unseen) return warning.sentence;
+    return std::string();
+  };
+  EXPECT_EQ(sentence(IntegratorKind::ambient),
+            "ambient does not show emission (1 material), transmission (1 material); path does");
+  EXPECT_EQ(sentence(IntegratorKind::path), "path does not show clearcoat (1 material)");
+  EXPECT_EQ(sentence(IntegratorKind::views), "");
+  scene.standard_surfaces[0] = {};
+  EXPECT_EQ(sentence(IntegratorKind::path), "");
 }
 
 TEST(SceneWarnings, MeasureTheBlurOfALens) {

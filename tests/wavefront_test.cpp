@@ -89,18 +89,19 @@ TEST(Wavefront, CountsNanAsBlack) {
   Film film(4, 4, 1, kTileSide, settings.channels);
   Wavefront wavefront(prepared, control, std::make_unique<Faulty>());
   wavefront.render(0, {0, 2}, film);
-  EXPECT_EQ(film.nans(), (NanSamples{8, 2, 0}));
+  EXPECT_EQ(film.faults().nans, (CountedSamples{8, 2, 0}));
   EXPECT_EQ(film.resolve().at(0, 0), Rgb(0.5f));
   EXPECT_EQ(film.resolve().at(2, 0), Rgb(0.125f, 0.25f, 0.25f));
   wavefront.render(0, {2, 3}, film);  // beyond the bound it counts as the bound
-  EXPECT_EQ(film.nans().count, 8u);
+  EXPECT_EQ(film.faults().nans.count, 8u);
   EXPECT_FLOAT_EQ(film.resolve().at(3, 3).x, 1.25f / 3);
+  EXPECT_EQ(film.faults().clamped, (CountedSamples{8, 2, 0}));
   EXPECT_TRUE(film.can_hold(film.copy(0)));
-  NanSamples both{1, 3, 1};
+  CountedSamples both{1, 3, 1};
   both += {2, 0, 2};
-  EXPECT_EQ(both, (NanSamples{3, 3, 1}));
+  EXPECT_EQ(both, (CountedSamples{3, 3, 1}));
   both += {1, 2, 1};
-  EXPECT_EQ(both, (NanSamples{4, 2, 1}));
+  EXPECT_EQ(both, (CountedSamples{4, 2, 1}));
 }
 
 TEST(Wavefront, WeighsRaysByColor) {

@@ -119,7 +119,8 @@ std::expected<void, Error> find_wrong_pixels(Grade& grade, const Rendered& by, c
   return {};
 }
 
-// What is wrong, if the picture is not within the roundings of another correct program.
+// Looks for the fault, unless the difference is no more than the rounding of another correct
+// program.
 void find_causes(Grade& grade, const Rendered& by, const Image& right, const Image& student) {
   constexpr double kRoundings = 0.5;
   if (grade.passed && grade.errors->difference.rmse <= kRoundings) return;

@@ -48,8 +48,9 @@ int run(const MergeCommand& command) {
   if (!command.quiet)
     for (const std::string& note : *notes) print_line("raio: " + note);
   const auto options = options_from(merged->header.settings, false);
-  if (const auto why = nan_warning(*merged->film, options ? options->crop : std::nullopt))
-    print_line("raio: warning: " + *why);
+  for (const std::string& why :
+       fault_warnings(*merged->film, options ? options->crop : std::nullopt))
+    print_line("raio: warning: " + why);
   if (!command.quiet)
     print_line(fmt::format("{}: {}x{}, {} part{}{}",
                            is_standard_output(output) ? "picture" : output, merged->film->width(),

@@ -17,9 +17,18 @@ double rays_per_s(const RenderFigures& made) {
 
 }  // namespace
 
+namespace {
+
+Json json_of(const CountedSamples& some) {
+  return {{"count", some.count},
+          {"first_pixel", some.count > 0 ? Json{some.x, some.y} : Json(nullptr)}};
+}
+
+}  // namespace
+
 Json statistics(const RenderFigures& made) {
   const auto& [scene, o, accel, times, rays, rays_before, samples, mean_samples, share_at_most,
-               nans] = made;
+               faults] = made;
   Json primitives;
   const auto counts = count_primitives(*scene);
   for (size_t i = 0; i < counts.size(); ++i)
@@ -64,9 +73,8 @@ Json statistics(const RenderFigures& made) {
         {"shadow_hits", rays.shadow_hits},
         {"total", rays.total()}}},
       {"rays_per_s", rays_per_s(made)},
-      {"nan_samples",
-       {{"count", nans.count},
-        {"first_pixel", nans.count > 0 ? Json{nans.x, nans.y} : Json(nullptr)}}},
+      {"nan_samples", json_of(faults.nans)},
+      {"clamped_samples", json_of(faults.clamped)},
   };
   if (o.accel.counters) {
     const double total = double(std::max<uint64_t>(1, rays.total()));

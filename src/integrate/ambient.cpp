@@ -471,9 +471,7 @@ namespace raio::core {
 double ambient_bound(const Scene& scene, const RenderSettings& settings) {
   const FigureSettings& figure = settings.figure;
   const StyleParams look = params_of(figure.look);
-  double environment = scene.environment.empty() ? 1 : 0;
-  for (const Rgb& texel : scene.environment_texels)
-    environment = std::max(environment, double(max_component(texel)));
+  const double environment = scene.environment.empty() ? 1 : brightest_texel(scene);
   const double sky = max_component(figure.sky_light) * environment;
   double lights = 0;  // irradiance
   if (figure.key_light == KeyLight::scene)

@@ -159,7 +159,7 @@ class Bsdf {
         const V f = hn::Div(hn::Add(hn::Mul(f0, hn::Set(d, 20)), s_.mirror_edge), hn::Set(d, 21));
         const V part = hn::Div(f, hn::Max(s_.mirror_edge, kTiny()));
         return hn::Div(hn::Mul(hn::Mul(f, part), hn::Mul(average, scale)),
-                       hn::Sub(one, hn::Mul(part, lost)));
+                       hn::Sub(one, hn::Mul(hn::Min(part, one), lost)));  // colours may exceed 1
       };
       missing_ = {channel(s_.mirror.x), channel(s_.mirror.y), channel(s_.mirror.z)};
       specular = hn::Add(specular, luminance(mirror_at(out.z)));

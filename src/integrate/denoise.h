@@ -12,7 +12,7 @@ namespace raio::core {
 /// `automatic` is Open Image Denoise where it is found, else Raio's own.
 enum class Denoiser : uint8_t { none, automatic, oidn, raio };
 
-/// What is known of a picture's pixels besides their colours, row by row.
+/// The channels that guide the filter, row by row.
 struct PixelGuides {
   std::span<const float> alpha;       // one number per pixel; empty: all are opaque
   std::span<const float> albedo;      // three numbers per pixel, as the channel

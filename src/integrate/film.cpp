@@ -19,7 +19,7 @@ RayCounts& RayCounts::operator+=(const RayCounts& b) {
   return *this;
 }
 
-NanSamples& NanSamples::operator+=(const NanSamples& b) {
+CountedSamples& CountedSamples::operator+=(const CountedSamples& b) {
   if (b.count > 0 && (count == 0 || std::tie(b.y, b.x) < std::tie(y, x))) x = b.x, y = b.y;
   count += b.count;
   return *this;
@@ -74,11 +74,11 @@ RayCounts Film::rays() const {
   return all;
 }
 
-NanSamples Film::nans() const {
-  NanSamples all;
+SampleFaults Film::faults() const {
+  SampleFaults all;
   for (size_t t = 0; t < tiles(); ++t) {
     const std::lock_guard lock(mutex(t));
-    all += states_[t].nans;
+    all += states_[t].faults;
   }
   return all;
 }
@@ -106,15 +106,15 @@ bool Film::continues_last_round(size_t tile, uint32_t samples_end) {
 }
 
 void Film::add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
-                        const NanSamples& nans) {
+                        const SampleFaults& faults) {
   TileState& state = states_[tile];
   state.samples.add(samples);
   state.rays += rays;
-  state.nans += nans;
+  state.faults += faults;
 }
 
 void Film::add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
-               const NanSamples& nans) {
+               const SampleFaults& faults) {
   const std::lock_guard lock(mutex(tile));
   const auto add = [&](PixelSums* to) {
     for (size_t i = 0; i < tile_sums(); ++i)
@@ -127,14 +127,14 @@ void Film::add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts&
     for (size_t i = 0; i < squares_.each; ++i) squares_.of(tile)[i] += by.squares[i];
     if (by.firsts) std::copy_n(by.firsts, firsts_.each, firsts_.of(tile));
   }
-  add_to_state(tile, samples, rays, nans);
+  add_to_state(tile, samples, rays, faults);
 }
 
 TileSamples Film::copy(size_t tile) const {
   const Tile t = this->tile(tile);
   const std::lock_guard lock(mutex(tile));
   const TileState& state = states_[tile];
-  TileSamples out{state.samples, state.rays, state.nans, {}, {}, {}, {}, {}};
+  TileSamples out{state.samples, state.rays, state.faults, {}, {}, {}, {}, {}};
   if (out.samples.empty()) return out;
   const auto copy_sums = [&](const PixelSums* from, std::vector<int64_t>& to) {
     for_numbers(t, 1, [&](size_t i) { to.insert(to.end(), from[i].begin(), from[i].end()); });
@@ -175,7 +175,7 @@ void Film::add(size_t tile, const TileSamples& by) {
     firsts_.clear(tile);
     add(by.firsts, layout_.firsts(), firsts_);
   }
-  add_to_state(tile, by.samples, by.rays, by.nans);
+  add_to_state(tile, by.samples, by.rays, by.faults);
 }
 
 void Film::replace(size_t tile, const TileSamples& by) {

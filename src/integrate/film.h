@@ -29,13 +29,25 @@ struct RayCounts {
   friend bool operator==(const RayCounts&, const RayCounts&) = default;
 };
 
-/// Samples with NaN colours, which count as black.
-struct NanSamples {
+/// A number of samples, and the first pixel of the film with one, row by row; 0, 0 if none.
+struct CountedSamples {
   uint64_t count = 0;
-  uint32_t x = 0, y = 0;  // the first such pixel of the film, row by row; 0 if none
+  uint32_t x = 0, y = 0;
 
-  NanSamples& operator+=(const NanSamples& b);
-  friend bool operator==(const NanSamples&, const NanSamples&) = default;
+  CountedSamples& operator+=(const CountedSamples& b);
+  friend bool operator==(const CountedSamples&, const CountedSamples&) = default;
+};
+
+/// Samples whose colours are not those computed.
+struct SampleFaults {
+  CountedSamples nans;     // NaN counts as black
+  CountedSamples clamped;  // beyond the film's bound
+
+  SampleFaults& operator+=(const SampleFaults& b) {
+    nans += b.nans, clamped += b.clamped;
+    return *this;
+  }
+  friend bool operator==(const SampleFaults&, const SampleFaults&) = default;
 };
 
 /// A rectangle of pixels, at most kMaxTileSide wide and high.
@@ -100,7 +112,7 @@ class FilmLayout {
 struct TileSamples {
   SampleSet samples;
   RayCounts rays;
-  NanSamples nans;
+  SampleFaults faults;
   std::vector<int64_t> sums, means;
   std::vector<int64_t> last_round;  // like `sums`, of a film with rounds
   std::vector<Uint128> squares;
@@ -168,7 +180,7 @@ class Film {
   /// Adds samples missing from the tile, all of one round, and their cost. The sums are those of
   /// begin() unless the tile had samples.
   void add(size_t tile, SampleSpan samples, const Sums& by, const RayCounts& rays,
-           const NanSamples& nans = {});
+           const SampleFaults& faults = {});
 
   TileSamples copy(size_t tile) const;
   /// Adds samples from such a copy; the tile must not have them yet.
@@ -186,7 +198,7 @@ class Film {
   Values resolve(Channel channel) const;
 
   RayCounts rays() const;
-  NanSamples nans() const;
+  SampleFaults faults() const;
 
  private:
   // Zeroes that cost nothing until they are used.
@@ -217,7 +229,7 @@ class Film {
     SampleSet samples;
     bool begun = false;  // without samples, its numbers may be nonzero
     RayCounts rays;
-    NanSamples nans;
+    SampleFaults faults;
   };
 
   std::mutex& mutex(size_t tile) const { return mutexes_[tile % mutexes_.size()]; }
@@ -225,7 +237,7 @@ class Film {
   // Prepares the sums of the last round for more samples; whether these belong to it.
   bool continues_last_round(size_t tile, uint32_t samples_end);
   void add_to_state(size_t tile, const SampleSet& samples, const RayCounts& rays,
-                    const NanSamples& nans);
+                    const SampleFaults& faults);
   // For a pixel of the picture, in a tile that has samples.
   float value(Channel channel, size_t tile, int x, int y, size_t component) const;
   float variance(size_t tile, size_t pixel, size_t component) const;

@@ -272,7 +272,8 @@ float LightTree::importance(const Node& node, Vec3f point, Vec3f normal) const {
   return result;
 }
 
-// Where a single light does not reach, or there is none. Of more, the first step down tells.
+// Whether the tree is empty, or its only light does not reach the point. In larger trees,
+// share_of_first() of the root finds out.
 bool LightTree::is_dark(Vec3f point, Vec3f normal) const {
   return nodes_.empty() || (nodes_[0].is_leaf && importance(nodes_[0], point, normal) == 0);
 }

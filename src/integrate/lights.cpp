@@ -95,6 +95,13 @@ SampledLight key_light(const EyeRays& eye, Vec3f forward, const StyleParams& loo
   return light;
 }
 
+double brightest_texel(const Scene& scene) {
+  float brightest = 0;
+  for (const Rgb& texel : scene.environment_texels)
+    brightest = std::max(brightest, max_component(texel));
+  return double(brightest);
+}
+
 Rgb uncolored_intensity(const Scene& scene) {
   return Rgb(float(1 / std::sqrt(double(std::max<size_t>(1, scene.lights.size())))));
 }

@@ -37,6 +37,9 @@ std::vector<SampledLight> sampled_lights(const Scene& scene, const Camera& camer
 /// degrees. A white surface facing it has the radiance StyleParams::key.
 SampledLight key_light(const EyeRays& eye, Vec3f forward, const StyleParams& look);
 
+/// The largest component of the environment's texels.
+double brightest_texel(const Scene& scene);
+
 /// The intensity of an NFF light without a colour.
 Rgb uncolored_intensity(const Scene& scene);
 

@@ -64,6 +64,7 @@ class PathShading final : public Shading {
   int levels() const override { return scene_.settings.depth; }
   bool tints() const override { return true; }
   bool weighs() const override { return true; }
+  bool is_bounded() const override { return false; }
   Rgb background() const override { return scene_.settings.background; }
   bool has_sky() const override {
     return scene_.settings.sky != nullptr || scene_.settings.sees_environment;
@@ -110,7 +111,7 @@ class PathShading final : public Shading {
       V3 normal = load(v.normal, i);
       const M tilted = hn::Ge(dot(normal, dir), hn::Set(d, -1e-4f));
       normal = select(tilted, geometric, normal);
-      const V3 inside = absorbed(w, materials, i);
+      const V3 inside = transmittance(w, materials, i);
       store(inside * emission(w, materials, i, in), v.radiance, i);
       if (!goes_on) continue;
       const WideFrame frame(normal);
@@ -180,7 +181,8 @@ class PathShading final : public Shading {
  private:
   static constexpr int kFirstRoulette = 4;  // level
 
-  // A ray to a light, and what arrives there without occlusion, divided by the probability.
+  // Rays to sampled points of lights, and the unoccluded radiance from there, divided by the
+  // density.
   struct LightRays {
     V3 dir, radiance;
     V length;
@@ -201,9 +203,9 @@ class PathShading final : public Shading {
     return select(hn::Gt(across, hn::Zero(d)), load(v.outside, i), behind);
   }
 
-  // What a medium leaves of the ray's light, by the law of Bouguer and Beer: rays that hit a
-  // surface from inside came through it.
-  HWY_INLINE V3 absorbed(const Wavefront& w, const Materials& materials, size_t i) const {
+  // The transmittance of the medium along the rays, by the law of Bouguer and Beer. A ray that hits
+  // a surface from inside has crossed its medium.
+  HWY_INLINE V3 transmittance(const Wavefront& w, const Materials& materials, size_t i) const {
     const V per_distance = materials.number(&PathMaterial::per_attenuation_distance);
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const M inside = hn::And(hn::Lt(load(w.points().side, i), zero), hn::Gt(per_distance, zero));
@@ -224,7 +226,7 @@ class PathShading final : public Shading {
     return look_up(scene_.scene, texture, uv);
   }
 
-  // What the surfaces emit towards the rays, weighted against the sampling of lights.
+  // The emitted radiance towards the rays, weighted against the sampling of lights.
   HWY_INLINE V3 emission(const Wavefront& w, const Materials& materials, size_t i, M in) const {
     V3 light = materials.color(&PathMaterial::emission);
     const V zero = hn::Zero(d);
@@ -472,14 +474,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raio::core {
 
+// No limit is sure, since surfaces concentrate light. This one leaves room for that; the film's
+// unit is still below a hundred-millionth of the brightest light.
 double path_bound(const Scene& scene, const RenderSettings& settings) {
-  double brightest =
-      std::max(max_component(settings.background), max_component(settings.figure.sky_light));
-  for (const Rgb& texel : scene.environment_texels)
-    brightest = std::max(brightest, double(max_component(texel)));
+  constexpr double kRoom = 4096;
+  constexpr double kNear = 1e4;  // from where point lights stop to increase to a tenth of the scene
+  const double sky = max_component(settings.figure.sky_light) *
+                     (scene.environment.empty() ? 1 : brightest_texel(scene));
+  double brightest = std::max({1.0, double(max_component(settings.background)), sky});
   for (const StandardSurface& s : scene.standard_surfaces)
     if (s.is_standard) brightest = std::max(brightest, double(max_component(s.emission)));
-  return 4096 * std::max(brightest, 1.0);
+  for (const SampledLight& light : sampled_lights(scene, settings.camera))
+    brightest = std::max(brightest, light.brightest() / std::numbers::pi /
+                                        (light.decreases && !light.is_distant ? kNear : 1));
+  return kRoom * brightest;
 }
 
 }  // namespace raio::core

@@ -1,4 +1,4 @@
-// What the integrator `path` prepares once per picture: materials and lights as tables.
+// Materials and lights as tables, which the integrator `path` prepares once per picture.
 #pragma once
 
 #include <optional>

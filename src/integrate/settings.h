@@ -66,8 +66,8 @@ struct PlainOptions {
   int aa = 0;            // cells along a pixel's side; 1: its centre; 0: the whole pixel
   int lens_samples = 0;  // per cell
   int samples = 0;       // per pixel in total, instead of aa x aa x lens_samples; 0: that product
-  // The relative error that each tile has in the end, with so many samples (docs/adaptive.md); 0:
-  // all tiles have `samples`, which in RenderSettings is otherwise max_samples.
+  // Each tile gets samples, min_samples to max_samples, until its relative error is below `noise`
+  // (docs/adaptive.md). RenderSettings::samples is then max_samples. 0: all tiles have `samples`.
   float noise = 0;
   int min_samples = 0, max_samples = 0;
 

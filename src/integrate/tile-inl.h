@@ -164,15 +164,16 @@ struct PathRays {
 // no samples of the tile yet, so that nothing is copied.
 class TileSums {
  public:
-  // `first`: the lowest sample to come.
-  void begin(Film& film, size_t tile, uint32_t first) {
+  // `first`: the lowest sample to come. `is_bounded`: no sample exceeds the film's bound, unless
+  // that is the maximum, with lights near the largest float.
+  void begin(Film& film, size_t tile, uint32_t first, bool is_bounded) {
     bound_ = film.bound(), scale_ = film.scale();
     largest_ = float(bound_);
     if (double(largest_) > bound_) largest_ = std::nextafter(largest_, 0.0f);
     layout_ = &film.layout();
     plane_size_ = film.tile_sums();
     tile_ = film.tile(tile), row_bits_ = std::countr_zero(film.row_stride());
-    nans_ = {};
+    faults_ = {};
     sums_ = film.begin(tile);
     if (!sums_.sums) {
       const bool is_lowest = first < film.samples(tile).first();
@@ -184,7 +185,7 @@ class TileSums {
                is_lowest ? own_firsts_.data() : nullptr};
     }
     first_ = first;
-    is_clamped_ = bound_ == Film::kMaxBound;
+    is_clamped_ = !is_bounded || bound_ == Film::kMaxBound;
     before_.resize(is_clamped_ || layout_->squares() > 0 ? plane_size_ : 0);
   }
 
@@ -192,23 +193,27 @@ class TileSums {
   // is the maximum, with lights near the largest float: then it is clamped.
   void begin_sample() {
     std::copy_n(sums_.sums, before_.size(), before_.begin());
-    nan_pixels_.clear();
+    nan_pixels_.clear(), clamped_pixels_.clear();
   }
   void end_sample() {
     const auto most = int64_t(bound_ * scale_);
-    for (size_t i = 0; is_clamped_ && i < before_.size(); ++i)
-      for (size_t c = 0; c < 3; ++c)
-        sums_.sums[i][c] = std::min(sums_.sums[i][c], before_[i][c] + most);
+    for (uint32_t i = 0; is_clamped_ && i < before_.size(); ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const int64_t limit = before_[i][c] + most;
+        if (sums_.sums[i][c] <= limit) continue;
+        sums_.sums[i][c] = limit;
+        clamped_pixels_.push_back(i);
+      }
     if (layout_->squares() > 0) add_squares();
-    if (!nan_pixels_.empty()) count_nans();
+    if (!nan_pixels_.empty()) count(nan_pixels_, faults_.nans);
+    if (!clamped_pixels_.empty()) count(clamped_pixels_, faults_.clamped);
   }
 
   // Whether the tile has no lower sample, so that this one sets channels with the rule `first`.
   bool is_first(uint32_t sample) const {
     return layout_->firsts() > 0 && sums_.firsts && sample == first_;
   }
-  // The samples with NaN colours.
-  const NanSamples& nans() const { return nans_; }
+  const SampleFaults& faults() const { return faults_; }
 
   // Adds the values in `mask`, one per entry of `pixels`, to a channel with the rule `mean`; or
   // sets the values of one with the rule `first`.
@@ -330,18 +335,20 @@ class TileSums {
                          float (&channels)[3][kWidth]) {
     const V3 numbers = without_nans(values, pixels, mask);
     const V most = hn::Set(d, largest_), least = hn::Neg(most);
+    const V3 sizes = {hn::Abs(numbers.x), hn::Abs(numbers.y), hn::Abs(numbers.z)};
+    for_lanes(hn::And(mask, hn::Gt(largest(sizes), most)),
+              [&](size_t k) { clamped_pixels_.push_back(pixels[k]); });
     hn::Store(hn::Min(hn::Max(numbers.x, least), most), d, channels[0]);
     hn::Store(hn::Min(hn::Max(numbers.y, least), most), d, channels[1]);
     hn::Store(hn::Min(hn::Max(numbers.z, least), most), d, channels[2]);
   }
   // Pixels are numbered row by row.
-  void count_nans() {
-    std::ranges::sort(nan_pixels_);
-    const auto repeated = std::ranges::unique(nan_pixels_);
-    nan_pixels_.erase(repeated.begin(), repeated.end());
-    const uint32_t pixel = nan_pixels_.front(), column = pixel & ((1u << row_bits_) - 1);
-    nans_ += {nan_pixels_.size(), uint32_t(tile_.x0) + column,
-              uint32_t(tile_.y0) + (pixel >> row_bits_)};
+  void count(std::vector<uint32_t>& pixels, CountedSamples& all) const {
+    std::ranges::sort(pixels);
+    const auto repeated = std::ranges::unique(pixels);
+    pixels.erase(repeated.begin(), repeated.end());
+    const uint32_t pixel = pixels.front(), column = pixel & ((1u << row_bits_) - 1);
+    all += {pixels.size(), uint32_t(tile_.x0) + column, uint32_t(tile_.y0) + (pixel >> row_bits_)};
   }
 
   void add_squares() {
@@ -373,8 +380,8 @@ class TileSums {
   size_t plane_size_ = 0;
   Tile tile_{};
   int row_bits_ = 0;
-  std::vector<uint32_t> nan_pixels_;  // of the sample, possibly repeated
-  NanSamples nans_;
+  std::vector<uint32_t> nan_pixels_, clamped_pixels_;  // of the sample, possibly repeated
+  SampleFaults faults_;
 };
 
 }  // namespace raio::core::HWY_NAMESPACE

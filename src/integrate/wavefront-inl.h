@@ -40,6 +40,8 @@ class Shading {
   virtual int levels() const { return 1; }
   // Whether rays' weights may differ in red, green and blue.
   virtual bool tints() const { return false; }
+  // Whether the integrator's bound limits every sample; else those beyond are clamped.
+  virtual bool is_bounded() const { return true; }
   // Whether rays carry the density of their direction.
   virtual bool weighs() const { return false; }
   // Whether begin() needs the costs of eye rays.

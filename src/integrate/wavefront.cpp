@@ -53,7 +53,7 @@ Wavefront::~Wavefront() = default;
 void Wavefront::render(size_t tile, SampleSpan samples, Film& film) {
   pixels_.list(in_picture(film.tile(tile), scene_.settings.frame()),
                std::countr_zero(film.row_stride()));
-  sums_.begin(film, tile, samples.first);
+  sums_.begin(film, tile, samples.first, shading_->is_bounded());
   whole_background_ = sums_.fixed(background_);
   for (PathRays& w : waiting_) w.rays.clear();  // left over if a render was stopped
   counts_ = {};
@@ -69,7 +69,7 @@ void Wavefront::render(size_t tile, SampleSpan samples, Film& film) {
     ++control_.work_done;
   }
   counts_.tests = context_.tests, counts_.steps = context_.steps;
-  film.add(tile, samples, sums_.all(), counts_, sums_.nans());
+  film.add(tile, samples, sums_.all(), counts_, sums_.faults());
 }
 
 void Wavefront::add_sample(const WideSampler<D>& sampler) {

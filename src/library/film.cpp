@@ -323,6 +323,6 @@ std::vector<uint32_t> Film::integers(std::string_view name) const {
   });
 }
 
-uint64_t Film::nan_samples() const { return data_->part.film->nans().count; }
+uint64_t Film::nan_samples() const { return data_->part.film->faults().nans.count; }
 
 }  // namespace raio::inline v1

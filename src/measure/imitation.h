@@ -12,10 +12,14 @@
 
 namespace raio::core {
 
-/// What shadow rays find: what there is; nothing; always something; also what is beyond the light.
-/// Or, as with rays that start on their surface, in some pixels always something: the picture to
-/// imitate tells in which.
-enum class ShadowRays { right, none, always, beyond, speckled };
+/// The results of shadow rays.
+enum class ShadowRays {
+  right,
+  none,      // nothing is hit
+  always,    // everything is occluded
+  beyond,    // objects beyond the light occlude it
+  speckled,  // some pixels are occluded, as by their own surface; the imitated picture says which
+};
 
 struct Imitation {
   Scene scene;
@@ -33,7 +37,7 @@ struct Imitation {
   std::vector<Image (*)(const Image&)> transforms;
 };
 
-/// A picture of width x height pixels with that at place(column, row) of `from` in each.
+/// A picture of width x height pixels: the pixel (x, y) is that of `from` at place(x, y).
 template <class Place>
 Image picked(const Image& from, int width, int height, const Place& place) {
   Image out(width, height);
@@ -45,9 +49,8 @@ Image picked(const Image& from, int width, int height, const Place& place) {
   return out;
 }
 
-/// The picture, in display values, with noise like that of any other. `of`: the picture to imitate;
-/// if it is of another size, shadows are not speckled. Nothing if it cannot be rendered, for lack
-/// of memory. Throws Stopped.
+/// Renders the picture, in display values. `of`: the picture to imitate; if it has another size,
+/// shadows are not speckled. Nothing if there is too little memory. Throws Stopped.
 std::optional<Image> imitate(const Imitation& what, const Image& of);
 
 }  // namespace raio::core

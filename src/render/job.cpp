@@ -188,8 +188,8 @@ std::expected<void, Error> RenderJob::conclude(bool finished, bool was_stopped) 
   if (finished && !request_.is_partial())
     if (const auto why = blank_warning(*part_.film, settings_, *accel_))
       events_.warning(Error{ErrorKind::bad_input, "", *why});
-  if (const auto why = nan_warning(*part_.film, settings_.crop))
-    events_.warning(Error{ErrorKind::bad_input, "", *why});
+  for (const std::string& why : fault_warnings(*part_.film, settings_.crop))
+    events_.warning(Error{ErrorKind::bad_input, "", why});
   return {};
 }
 
@@ -235,11 +235,10 @@ RenderFigures RenderJob::figures() const {
       samples.fewest,
       samples.mean,
       settings_.noise > 0 ? share_with(uint32_t(settings_.max_samples), part_) : 0,
-      part_.film->nans()};
-  if (figures.nans.count > 0) {
-    const Crop frame = settings_.frame();
-    figures.nans.x += uint32_t(frame.x0), figures.nans.y += uint32_t(frame.y0);
-  }
+      part_.film->faults()};
+  const Crop frame = settings_.frame();
+  for (CountedSamples* some : {&figures.faults.nans, &figures.faults.clamped})
+    if (some->count > 0) some->x += uint32_t(frame.x0), some->y += uint32_t(frame.y0);
   figures.times.total = seconds();
   return figures;
 }

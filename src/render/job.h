@@ -77,7 +77,7 @@ struct RenderFigures {
   uint32_t samples = 0;      // of every pixel, at least
   double mean_samples = 0;   // of all pixels
   double share_at_most = 0;  // of pixels with max_samples, with `noise`
-  NanSamples nans;           // of the whole picture, with coordinates in it
+  SampleFaults faults;       // of the whole picture, with coordinates in it
 };
 
 /// Call prepare(), run() and write() once each, in this order, and each only if the previous one

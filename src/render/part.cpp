@@ -16,7 +16,7 @@ namespace raio::core {
 namespace {
 
 constexpr std::string_view kMagic = "RAIOPART";
-constexpr uint32_t kFormat = 3;
+constexpr uint32_t kFormat = 4;
 constexpr size_t kHashBytes = 16;
 
 // Numbers are little-endian.
@@ -80,7 +80,8 @@ std::string encode_tile(const TileSamples& tile) {
   if (tile.samples.empty()) return out;
   for (const SampleSpan& span : tile.samples.spans()) put(out, span.first), put(out, span.end);
   for (const auto count : kRayCounts) put(out, tile.rays.*count);
-  put(out, tile.nans.count), put(out, tile.nans.x), put(out, tile.nans.y);
+  for (const CountedSamples& of : {tile.faults.nans, tile.faults.clamped})
+    put(out, of.count), put(out, of.x), put(out, of.y);
   put_numbers(out, tile.sums);
   put_numbers(out, tile.last_round);
   put_numbers(out, tile.means);
@@ -163,10 +164,10 @@ bool are_sound(const RayCounts& rays, uint64_t eye, size_t tiles) {
          std::ranges::all_of(kRayCounts, [&](auto count) { return rays.*count <= most; });
 }
 
-bool are_sound(const NanSamples& nans, uint64_t samples, const Tile& tile) {
-  if (nans.count == 0) return nans == NanSamples();
-  return nans.count <= samples && nans.x >= uint32_t(tile.x0) && nans.x < uint32_t(tile.x1) &&
-         nans.y >= uint32_t(tile.y0) && nans.y < uint32_t(tile.y1);
+bool are_sound(const CountedSamples& some, uint64_t samples, const Tile& tile) {
+  if (some.count == 0) return some == CountedSamples();
+  return some.count <= samples && some.x >= uint32_t(tile.x0) && some.x < uint32_t(tile.x1) &&
+         some.y >= uint32_t(tile.y0) && some.y < uint32_t(tile.y1);
 }
 
 // Returns the tile's error, or nothing. `within`: samples that it may have.
@@ -181,9 +182,11 @@ std::string take_tile(ByteReader& bytes, size_t index, const PartHeader& header,
   const uint64_t all = uint64_t(tile.samples.count()) * pixels;
   for (const auto count : kRayCounts) tile.rays.*count = bytes.number<uint64_t>();
   if (!are_sound(tile.rays, all, film.tiles())) return "counts of rays are out of range";
-  tile.nans.count = bytes.number<uint64_t>();
-  tile.nans.x = bytes.number<uint32_t>(), tile.nans.y = bytes.number<uint32_t>();
-  if (!are_sound(tile.nans, all, place)) return "the count of NaN samples is out of range";
+  for (CountedSamples* of : {&tile.faults.nans, &tile.faults.clamped}) {
+    of->count = bytes.number<uint64_t>();
+    of->x = bytes.number<uint32_t>(), of->y = bytes.number<uint32_t>();
+    if (!are_sound(*of, all, place)) return "the count of NaN or clamped samples is out of range";
+  }
   const FilmLayout& layout = film.layout();
   const size_t in_last_round = film.rounds().first > 0 ? 4 * pixels : 0;
   if (!take_numbers(bytes, 4 * pixels, tile.sums) ||
@@ -203,7 +206,7 @@ std::string_view skip_tile(ByteReader& bytes, const Film& film) {
   const auto spans = bytes.number<uint32_t>();
   bytes.take(size_t(spans) * 2 * sizeof(uint32_t));
   if (spans > 0) {
-    bytes.take((kRayCounts.size() + 2) * sizeof(uint64_t));  // rays, and samples that are NaN
+    bytes.take((kRayCounts.size() + 4) * sizeof(uint64_t));  // rays and SampleFaults
     bytes.text();
     if (film.rounds().first > 0) bytes.text();
     const FilmLayout& layout = film.layout();

@@ -71,6 +71,40 @@ float plain_number(float value) {
   return float(std::floor(double(value) / unit + 1e-6) * unit);
 }
 
+bool is_dark(const Scene& scene, const RenderSettings& settings) {
+  const FigureSettings& figure = settings.figure;
+  return figure.key_light != KeyLight::on && figure.sky_light == Rgb() && !settings.sky &&
+         (figure.key_light == KeyLight::off ||
+          (settings.background == Rgb() && scene.lights.empty() &&
+           scene.physical_lights.empty())) &&
+         !scene.has_emission();
+}
+
+// The parameters of standard surfaces that the integrator leaves out, in one sentence.
+std::string unseen_parameters(const Scene& scene, IntegratorKind integrator) {
+  if (integrator == IntegratorKind::views) return "";
+  const bool is_path = integrator == IntegratorKind::path;
+  std::string list;
+  const auto add = [&](std::string_view what, auto&& has) {
+    const auto count = std::ranges::count_if(
+        scene.standard_surfaces, [&](const StandardSurface& s) { return s.is_standard && has(s); });
+    if (count > 0)
+      list += fmt::format("{}{} ({} material{})", list.empty() ? "" : ", ", what, count,
+                          count == 1 ? "" : "s");
+  };
+  if (is_path) {
+    add("normal maps", [](const auto& s) { return s.normal_texture != kNoTexture; });
+    add("clearcoat", [](const auto& s) { return s.coat > 0; });
+    add("sheen", [](const auto& s) { return s.sheen_color != Rgb(); });
+  } else {
+    add("emission", [](const auto& s) { return !s.is_unlit && s.emission != Rgb(); });
+    add("transmission", [](const auto& s) { return s.transmission > 0; });
+  }
+  if (list.empty()) return list;
+  return fmt::format("{} does not show {}{}", kIntegratorNames[size_t(integrator)], list,
+                     is_path ? "" : "; path does");
+}
+
 }  // namespace
 
 std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSettings& settings,
@@ -82,6 +116,10 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
                                      ? "the scene has no light; surfaces show ambient light only"
                                      : "the scene has no light, and this shading model no ambient "
                                        "light, so surfaces are black"});
+  if (settings.integrator == IntegratorKind::path && is_dark(scene, settings))
+    warnings.push_back({SceneWarning::no_light,
+                        "the scene has no light: no lights, no surfaces that emit, a black "
+                        "background and no sky"});
   if (!settings.camera.can_have_lens() && settings.camera.lens_radius.value_or(0) > 0)
     warnings.push_back(
         {SceneWarning::no_lens,
@@ -95,6 +133,8 @@ std::vector<SceneWarning> scene_warnings(const Scene& scene, const RenderSetting
          fmt::format(
              "the file requests brute force, so each ray is tested with all of {} primitives",
              count)});
+  if (std::string unseen = unseen_parameters(scene, settings.integrator); !unseen.empty())
+    warnings.push_back({SceneWarning::unseen, std::move(unseen)});
   if (!settings.dof || !accel) return warnings;
   const Camera camera = camera_at(settings.camera, settings.shutter_open);
   const EyeRays eye(camera, settings.width, settings.height, settings.angle_to_centers);
@@ -137,14 +177,22 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings) {
   return tried > 0 ? build + done.busy_s * rays / tried / std::max(1, settings.threads) : 0;
 }
 
-std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop) {
-  const NanSamples nans = film.nans();
-  if (nans.count == 0) return std::nullopt;
+std::vector<std::string> fault_warnings(const Film& film, const std::optional<Crop>& crop) {
   const Crop frame = crop.value_or(Crop());
-  return fmt::format("{} {} not a number (NaN) and {} as black; the first pixel with one is {},{}",
-                     nans.count, nans.count == 1 ? "sample is" : "samples are",
-                     nans.count == 1 ? "counts" : "count", nans.x + uint32_t(frame.x0),
-                     nans.y + uint32_t(frame.y0));
+  const SampleFaults faults = film.faults();
+  std::vector<std::string> warnings;
+  const auto add = [&](const CountedSamples& some, std::string_view one, std::string_view many) {
+    if (some.count > 0)
+      warnings.push_back(fmt::format("{} {}; the first pixel with one is {},{}", some.count,
+                                     some.count == 1 ? one : many, some.x + uint32_t(frame.x0),
+                                     some.y + uint32_t(frame.y0)));
+  };
+  add(faults.nans, "sample is not a number (NaN) and counts as black",
+      "samples are not a number (NaN) and count as black");
+  const std::string limit =
+      fmt::format(" clamped to {:.3g}, so the picture is too dark there", film.bound());
+  add(faults.clamped, "sample is" + limit, "samples are" + limit);
+  return warnings;
 }
 
 std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,

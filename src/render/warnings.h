@@ -18,6 +18,7 @@ struct SceneWarning {
     blurred,   // with a lens: hardly anything is sharp
     no_lens,   // the scene's has no effect on parallel rays
     no_tree,   // the file requests brute force for many primitives
+    unseen,    // the integrator does not show some of the surfaces' parameters
   };
   Kind kind = no_light;
   std::string sentence;  // what was found, without advice
@@ -45,8 +46,8 @@ double seconds_with_tree(const Scene& scene, RenderSettings settings);
 std::optional<std::string> blank_warning(const Film& film, const RenderSettings& settings,
                                          const Accel& accel);
 
-/// The number of NaN samples in the film, and the first pixel with one, in coordinates of the whole
-/// picture. Nothing if there are none.
-std::optional<std::string> nan_warning(const Film& film, const std::optional<Crop>& crop);
+/// The numbers of NaN and of clamped samples in the film, and the first pixel with one, in
+/// coordinates of the whole picture. Nothing if there are none.
+std::vector<std::string> fault_warnings(const Film& film, const std::optional<Crop>& crop);
 
 }  // namespace raio::core
