@@ -68,15 +68,18 @@ void add_option(CLI::App& app, const OptionEntry<Options>& spec, auto set,
   begin_group(app, spec.group);
   const std::string name = "--" + std::string(spec.name);
   const bool with_integrator = app.get_option_no_throw("--integrator") != nullptr;
-  const std::string help = with_settings(option_help(spec, with_integrator), "--") + more_help;
-  const auto parse = [set, name](const std::string& text) {
-    if (const std::expected<void, std::string> done = set(text); !done)
-      throw CLI::ValidationError(name, with_settings(done.error(), "--"));
+  std::string help = with_settings(option_help(spec, with_integrator), "--") + more_help;
+  if (!spec.alone.empty()) help += fmt::format("; without a {}: {}", value_name, spec.alone);
+  const auto parse = [set, name, &spec](const std::string& text) {
+    const std::expected<void, std::string> done =
+        set(text.empty() ? std::string(spec.alone) : text);
+    if (!done) throw CLI::ValidationError(name, with_settings(done.error(), "--"));
   };
   if (!spec.is_switch()) {
-    app.add_option_function<std::string>(name, parse, help)
-        ->type_name(value_type(value_name, spec.words))
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    auto* option = app.add_option_function<std::string>(name, parse, help)
+                       ->type_name(value_type(value_name, spec.words))
+                       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+    if (!spec.alone.empty()) option->expected(0, 1);
     return;
   }
   // A scene can turn on some switches; --no-... turns them off.

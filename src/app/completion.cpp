@@ -166,7 +166,7 @@ std::string zsh_option(const CLI::Option& option) {
     spec += name;
     if (takes_value(option)) spec += name.starts_with("--") ? "=" : "+";
     spec += fmt::format("[{}]", escaped(first_clause(option), "[]:\\"));
-    if (takes_value(option)) spec += zsh_value(option);
+    if (takes_value(option)) spec += (needs_value(option) ? "" : ":") + zsh_value(option);
     out += " \\\n        " + zsh_quoted(spec);
   }
   return out;

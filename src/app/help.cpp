@@ -46,7 +46,7 @@ std::string wrapped(std::string_view text, size_t indent, size_t first_column) {
 // "-o, --output IMAGE"
 std::string option_name(const CLI::Option& option) {
   const std::string names = fmt::format("{}", fmt::join(option_names(option), ", "));
-  return takes_value(option) ? names + " " + value_name(option) : names;
+  return takes_value(option) ? names + " " + value_usage(option) : names;
 }
 
 Rows command_rows(const CLI::App& app) {
@@ -103,6 +103,10 @@ std::string arguments_problem(const CLI::App& command, std::span<const std::stri
       if (apart) ++i;
       const bool nothing = apart ? i == arguments.size() || is_option(command, arguments[i])
                                  : argument == name + "=";
+      if (nothing && !needs_value(*option)) {
+        i -= size_t(apart);
+        continue;
+      }
       if (nothing) return fmt::format("{} needs a value: {}", name, option_name(*option));
     }
   }

@@ -41,7 +41,7 @@ std::string troff_entry(const CLI::Option& option) {
   for (const std::string& name : option_names(option))
     names += fmt::format("{}\\fB{}\\fR", names.empty() ? "" : ", ", troff(name));
   const std::string value =
-      takes_value(option) ? fmt::format("\\fI{}\\fR", troff(value_name(option))) : "";
+      takes_value(option) ? fmt::format("\\fI{}\\fR", troff(value_usage(option))) : "";
   return fmt::format(".TP\n{}{}{}\n{}\n", names, names.empty() || value.empty() ? "" : " ", value,
                      troff(option.get_description()));
 }

@@ -21,6 +21,10 @@ std::string value_name(const CLI::Option& option) {
   return type.substr(0, type.find(":{"));
 }
 
+std::string value_usage(const CLI::Option& option) {
+  return needs_value(option) ? value_name(option) : "[" + value_name(option) + "]";
+}
+
 std::vector<std::string> value_words(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const size_t begin = type.find(":{");
@@ -28,7 +32,9 @@ std::vector<std::string> value_words(const CLI::Option& option) {
   return CLI::detail::split(type.substr(begin + 2, type.size() - begin - 3), ',');
 }
 
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_min() > 0; }
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+bool needs_value(const CLI::Option& option) { return option.get_items_expected_min() > 0; }
 
 bool is_list(const CLI::Option& option) { return option.get_items_expected_max() > 1; }
 

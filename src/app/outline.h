@@ -14,11 +14,13 @@ namespace raio::core::app {
 /// "NAME:{auto,grid}": the type that CLI11 stores for an option with a list of words.
 std::string value_type(std::string_view value_name, std::span<const std::string_view> words);
 
-/// "NAME" and "auto", "grid" of such a type.
+/// "NAME" and "auto", "grid" of such a type; "[NAME]" for an option that needs no value.
 std::string value_name(const CLI::Option& option);
+std::string value_usage(const CLI::Option& option);
 std::vector<std::string> value_words(const CLI::Option& option);
 
 bool takes_value(const CLI::Option& option);
+bool needs_value(const CLI::Option& option);
 bool is_list(const CLI::Option& option);
 
 /// "-o", "--output".

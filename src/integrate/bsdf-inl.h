@@ -27,7 +27,8 @@ HWY_INLINE V schlick_weight(V cosine) {
   const V x = clamp_unit(hn::Sub(hn::Set(d, 1), cosine)), x2 = squared(x);
   return hn::Mul(squared(x2), x);
 }
-// energy.h. Returns 1 at total internal reflection.
+// Fresnel's equations for unpolarised light; 1 at total internal reflection. `eta`: the index of
+// refraction behind the surface relative to that in front.
 HWY_INLINE V dielectric_reflectance(V cosine, V eta) {
   const V one = hn::Set(d, 1), zero = hn::Zero(d);
   const V k = hn::Sub(one, hn::Div(hn::Sub(one, squared(cosine)), squared(eta)));

@@ -68,8 +68,8 @@ Cosines all_cosines() {
 
 using Row = std::array<float, EnergyTables::kColumns>;
 
-// dielectric_reflectance(). `behind`: the cosine of the refracted ray, 0 at total internal
-// reflection.
+// Fresnel's equations for unpolarised light. `behind`: the cosine of the refracted ray, 0 at total
+// internal reflection.
 inline float reflectance(float cosine, float eta, float behind) {
   const float across = eta * behind, along = eta * cosine;
   const float parallel = (along - behind) * (cosine + across);
@@ -118,15 +118,6 @@ Row mean_over_normals(const Row& mu, float alpha, float eta, const Energy& energ
 }
 
 }  // namespace
-
-double dielectric_reflectance(double cosine, double eta) {
-  const double k = 1 - (1 - cosine * cosine) / (eta * eta);
-  if (k <= 0) return 1;
-  const double behind = std::sqrt(k);
-  const double parallel = (eta * cosine - behind) / (eta * cosine + behind);
-  const double perpendicular = (cosine - eta * behind) / (cosine + eta * behind);
-  return (parallel * parallel + perpendicular * perpendicular) / 2;
-}
 
 template <uint32_t kPoints, class Energy>
 uint32_t EnergyTables::add(float eta, const Energy& energy) {

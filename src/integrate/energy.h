@@ -21,8 +21,7 @@ class EnergyTables {
  public:
   static constexpr uint32_t kRows = 32, kColumns = 97, kNumbers = kRows * (kColumns + 1);
 
-  /// Below, reflections are perfectly sharp. The square of alpha is 1e-6 of a texture's roughness
-  /// 1 / 32.
+  /// Below this roughness, reflections are perfectly sharp: floats cannot resolve the lobe's peak.
   static constexpr float kSmoothest = 1.0f / 32, kSmoothestRoot = 0.17677669f;
   static constexpr float kWidest = 1.0f / 32;
 
@@ -48,12 +47,5 @@ class EnergyTables {
   bool has_conductor_ = false;
   uint32_t conductor_ = 0;
 };
-
-/// The reflectance of a dielectric for unpolarised light (Fresnel's equations). `eta`: the index of
-/// refraction behind the surface relative to that in front.
-double dielectric_reflectance(double cosine, double eta);
-
-/// The Schlick-weighted average of a reflectance F0 over the hemisphere.
-constexpr float average_fresnel(float f0) { return f0 + (1 - f0) / 21; }
 
 }  // namespace raio::core

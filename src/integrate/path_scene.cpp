@@ -181,7 +181,9 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
          out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
     any_alpha |= out.alpha_texture != kNoTexture;
     out.conductor = energy.conductor();
-    if (out.ior != 1) {
+    const bool is_metal = out.metallic == 1 && out.metallic_roughness_texture == kNoTexture;
+    const bool has_interface = out.transmission > 0 || max_component(out.specular) > 0;
+    if (out.ior != 1 && has_interface && !is_metal) {
       const auto tables = energy.dielectric(out.ior);
       const bool is_thin = out.is_thin > 0;
       out.reflection = tables.reflection;

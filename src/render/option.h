@@ -82,6 +82,7 @@ struct OptionEntry {
   double least = 0, most = 0;   // of numbers; equal: any
   std::string_view unit = {};
   std::span<const std::string_view> words = {};  // NOLINT(readability-redundant-member-init)
+  std::string_view alone = {};                   // the value if the name stands alone; or required
   Integrators integrators = kAllIntegrators;     // others ignore it
   std::string_view excludes = {};                // an option that it cannot be combined with
   bool is_always_stored = false;                 // even if it is the default
@@ -129,6 +130,9 @@ constexpr auto range(double least, double most, std::string_view unit = {}) {
 }
 constexpr auto one_of(std::span<const std::string_view> words) {
   return [=](auto& entry) { entry.words = words; };
+}
+constexpr auto alone(std::string_view value) {
+  return [=](auto& entry) { entry.alone = value; };
 }
 constexpr auto only_with(auto... integrators) {
   return [=](auto& entry) { entry.integrators = (bit_of(integrators) | ...); };

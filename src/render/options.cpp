@@ -176,7 +176,7 @@ std::string exposure_text(const Options& o, const OptionSpec& spec) {
 template <auto... path>
 constexpr OptionValue<Options> kValue = kMember<Options, path...>;
 
-using table::only_with, table::range;
+using table::alone, table::only_with, table::range;
 constexpr auto kOfClassic = only_with(IntegratorKind::classic);
 constexpr auto kOfFigures = only_with(IntegratorKind::ambient);
 constexpr auto kOfLight =
@@ -272,8 +272,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Filter the noise of few samples out of pictures: raio, with the same bytes on every "
            "machine; oidn, Open Image Denoise; or auto, oidn where it is installed, else raio; "
            "part files keep the samples",
-           kValue<&Options::denoise>, usual("none"), one_of(kDenoiserNames), kOfLight,
-           kNotOfWindow),
+           kValue<&Options::denoise>, usual("none"), alone("auto"), one_of(kDenoiserNames),
+           kOfLight, kNotOfWindow),
     option(diagnostics, "accel", "NAME",
            "Acceleration structure: none (brute force), grid, bvh, embree, or auto, which is the "
            "scene's, else bvh",
@@ -327,8 +327,7 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "sequence, well distributed after any number of samples",
            kValue<&Options::sampler>, usual("jitter; sobol with `samples`"), one_of(kSamplerNames)),
     option(effects, "depth", "N", "Maximum ray depth; the eye ray is level 1",
-           kValue<&Options::depth>, usual("5; 16 for paths"), range(1, kMaxDepth), kOfRayTrees,
-           kAlwaysStored),
+           kValue<&Options::depth>, usual("5; 16 for paths"), range(1, kMaxDepth), kOfRayTrees),
     option(effects, "no-reflection", "", "Trace no reflected rays; highlights of the lights stay",
            kValue<&Options::no_reflection>, kOfClassic),
     option(effects, "no-refraction", "",

@@ -381,6 +381,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
   if (const std::array shutter = {s.shutter_open, s.shutter_close}; shutter != usual_shutter(scene))
     o.shutter = shutter;
+  drop_ignored_options(o, scene);
   return o;
 }
 
