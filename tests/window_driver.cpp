@@ -181,16 +181,17 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 }
 
 void WindowDriver::key(unsigned long keysym, Held held) {
-  // For GLFW, a key pressed again within 20 ms is a repeat.
-  if (keysym == last_key_)
-    std::this_thread::sleep_until(last_press_ + std::chrono::milliseconds(50));
+  // For GLFW, a key pressed again within 20 ms is a repeat, or even in the same millisecond the same
+  // event, whatever other keys were pressed in between.
+  auto& last_press = last_presses_[keysym];
+  std::this_thread::sleep_until(last_press + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;
   std::vector<unsigned long> others;
   if (held == Held::ctrl || held == Held::ctrl_shift) others.push_back(kCtrl);
   if (held == Held::shift || held == Held::ctrl_shift) others.push_back(kShift);
   for (const unsigned long other : others) hold(other, true);
   hold(keysym, true), hold(keysym, false);
-  last_key_ = keysym, last_press_ = Clock::now();
+  last_press = Clock::now();
   for (const unsigned long other : others) hold(other, false);
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <map>
 #include <optional>
 #include <regex>
 #include <string>
@@ -84,8 +85,7 @@ class WindowDriver {
   _XDisplay* x_ = nullptr;
   unsigned long window_ = 0;
   int left_ = 0, top_ = 0;
-  unsigned long last_key_ = 0;
-  std::chrono::steady_clock::time_point last_press_;
+  std::map<unsigned long, std::chrono::steady_clock::time_point> last_presses_;  // by key
   int process_ = -1, status_ = 0, log_end_ = -1;
   mutable std::mutex mutex_;
   std::condition_variable news_;
