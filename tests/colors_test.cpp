@@ -28,7 +28,7 @@ Scene scene_of_one_unit(uint32_t seed) {
   Scene scene = rich_scene(seed);
   for_each_pool([&](auto pool) { (scene.*pool.opacity).clear(); });
   for (Mesh& mesh : scene.meshes) mesh.colors.clear();
-  scene.material_texture.clear();
+  scene.material_texture.clear(), scene.standard_surfaces.clear();
   scene.add_material({Rgb(2), 1, 1, 1, 0, 1});
   return scene;
 }

@@ -81,8 +81,8 @@ class RenderOptions(AnnotationOptions, total=False):
             equirectangular picture with that point in the middle (default: the scene's)
         integrator: How rays become colours: classic, the shading of Whitted and Phong; ambient, for
             figures, with the light of a sky and a key light; path, which follows light over many bounces;
-            or views, which shows what eye rays intersect (default: classic; ambient for atoms, points,
-            meshes and physical light; path for scenes with surfaces that are lights; views with view)
+            or views, which shows what eye rays intersect (default: classic; path for materials of glTF;
+            ambient for atoms, points, other meshes and physical light; views with view)
         view: Show normals, depth, ids, materials, traversal steps, intersection tests, focus or samples
             instead of the picture (default: picture)
         channels: Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, object,

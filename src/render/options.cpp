@@ -239,8 +239,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
         "an equirectangular picture with that point in the middle",
         kValue<&Options::projection>, usual("the scene's"), one_of(kProjectionNames)),
     option(effects, "integrator", "NAME", kIntegratorHelp, kValue<&Options::integrator>,
-           usual("classic; ambient for atoms, points, meshes and physical light; path for scenes "
-                 "with surfaces that are lights; views with `view`"),
+           usual("classic; path for materials of glTF; ambient for atoms, points, other meshes and "
+                 "physical light; views with `view`"),
            one_of(kIntegratorNames)),
     option(diagnostics, "view", "NAME",
            "Show normals, depth, ids, materials, traversal steps, intersection tests, focus or "

@@ -8,6 +8,7 @@
 
 #include "base/parallel.h"
 #include "integrate/classic.h"
+#include "io/plain_scene.h"
 #include "render/figure_options.h"
 #include "render/options.h"
 #include "render/picture_options.h"
@@ -32,9 +33,10 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
   const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
                          !scene.environment.empty();
-  return selected_integrator(options).value_or(has_bright_surfaces(scene) ? IntegratorKind::path
-                                               : is_figure                ? IntegratorKind::ambient
-                                                           : IntegratorKind::classic);
+  return selected_integrator(options).value_or(
+      count_standard_surfaces(scene) > 0 ? IntegratorKind::path
+      : is_figure                        ? IntegratorKind::ambient
+                                         : IntegratorKind::classic);
 }
 
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
