@@ -19,6 +19,7 @@ import raio
 from raio._portions import Portion, Portions
 
 distributed = pytest.importorskip("distributed")
+import dask  # noqa: E402
 import raio.distribute as distribute  # noqa: E402
 from raio import _tasks, _worker  # noqa: E402
 
@@ -398,8 +399,10 @@ def test_a_cluster_that_is_closed(scene):
 def test_a_small_worker_refuses_a_large_scene(scene):
     rng = np.random.default_rng(1)
     scene.spheres(rng.random((3_000_000, 3), np.float32), 0.01)
-    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0",
-                                  memory_limit="450 MB") as cluster, distributed.Client(cluster) as client:
+    # Dask would kill the worker near its limit, sometimes before the error has reached the client.
+    with dask.config.set({"distributed.worker.memory.terminate": False}), \
+            distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0",
+                                     memory_limit="450 MB") as cluster, distributed.Client(cluster) as client:
         with pytest.raises(MemoryError, match="does not fit into the worker .* whose memory limit is"):
             distribute.render(scene, client=client, **SIZE)
 

@@ -14,6 +14,7 @@
 #include "io/fit_camera.h"
 #include "io/plain_scene.h"
 #include "io/scene_file.h"
+#include "render/figure_options.h"
 #include "render/options.h"
 #include "scene/cube_map.h"
 
@@ -197,18 +198,21 @@ std::string info_text(const ReadScene& read) {
     line("samples", fmt::format("{} per pixel", scene.requests.samples_per_pixel));
   if (scene.requests.structure != AccelHint::any)
     line("structure", fmt::format("{}, requested by the file", accel_name(hinted_accel(scene))));
-  // Data files have neither background nor lights.
-  const bool is_data = scene.dialect == Dialect::data;
-  line("background",
-       is_data ? "none; that of the look, white by default" : text_of(plain(scene.background)));
+  const bool is_lit = has_own_light(scene);
+  const bool has_background =
+      scene.dialect != Dialect::data ||
+      (is_lit && integrator_of(RenderOptions(), scene) == IntegratorKind::path);
+  line("background", has_background ? text_of(plain(scene.background))
+                                    : "none; that of the look, white by default");
   if (!scene.requests.sky_folder.empty())
     line("sky", scene.requests.sky_folder +
                     (scene.sky ? fmt::format(", six faces of {0} x {0}", scene.sky->side)
                                : ", which could not be read"));
 
   const size_t lights = scene.lights.size() + scene.physical_lights.size();
-  line("lights", is_data && lights == 0 ? "none; a sky and a key light are added"
-                                        : fmt::format("{}", lights));
+  line("lights", !is_lit                      ? "none; a sky and a key light are added"
+                 : has_bright_surfaces(scene) ? fmt::format("{}, and surfaces that emit", lights)
+                                              : fmt::format("{}", lights));
   constexpr size_t kShown = 10;
   for (const Light& light : scene.lights | std::views::take(kShown)) {
     std::string text = fmt::format("at {}", place_text(light.position));
