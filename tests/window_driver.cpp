@@ -181,8 +181,8 @@ void WindowDriver::hold(unsigned long keysym, bool down) {
 }
 
 void WindowDriver::key(unsigned long keysym, Held held) {
-  // For GLFW, a key pressed again within 20 ms is a repeat, or even in the same millisecond the same
-  // event, whatever other keys were pressed in between.
+  // For GLFW, a key pressed again within 20 ms is a repeat, or even in the same millisecond the
+  // same event, whatever other keys were pressed in between.
   auto& last_press = last_presses_[keysym];
   std::this_thread::sleep_until(last_press + std::chrono::milliseconds(50));
   constexpr unsigned long kShift = 0xffe1, kCtrl = 0xffe3;

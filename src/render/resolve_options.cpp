@@ -33,10 +33,10 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
   const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
                          !scene.environment.empty();
-  return selected_integrator(options).value_or(
-      count_standard_surfaces(scene) > 0 ? IntegratorKind::path
-      : is_figure                        ? IntegratorKind::ambient
-                                         : IntegratorKind::classic);
+  return selected_integrator(options).value_or(count_standard_surfaces(scene) > 0
+                                                   ? IntegratorKind::path
+                                               : is_figure ? IntegratorKind::ambient
+                                                           : IntegratorKind::classic);
 }
 
 std::optional<Error> ignored_option(const RenderOptions& options, const Scene* scene) {
