@@ -30,7 +30,7 @@ const uint32_t kUp = texel_of(128, 191, 238);
 const uint32_t kFlat = texel_of(128, 128, 255);
 
 // A square of this half side in the plane z = 0; its picture has x to the right, y up.
-Mesh square(float half = 1) {
+Mesh map_sheet(float half = 1) {
   Mesh mesh;
   mesh.positions = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   mesh.uv = {{0, 0}, {half, 0}, {half, half}, {0, half}};
@@ -48,11 +48,11 @@ Scene mapped_square(uint32_t texel, const StandardSurface& surface = {.specular 
   scene.set_standard_surface(surface);
   scene.texels = {texel}, scene.textures = {{0, 1, 1}};
   scene.standard_surfaces[0].normal_texture = 0;
-  scene.meshes = {square()};
+  scene.meshes = {map_sheet()};
   return scene;
 }
 
-RenderOptions by_paths(int samples, int depth) {
+RenderOptions normal_options(int samples, int depth) {
   RenderOptions options;
   options.integrator = IntegratorKind::path;
   options.width = options.height = 8;
@@ -60,7 +60,7 @@ RenderOptions by_paths(int samples, int depth) {
   return options;
 }
 
-// Of a diffuse surface with this normal, in light from four sides.
+// Of a diffuse surface with this normal, in light from all sides.
 void expect_normal(Scene scene, Vec3d normal, const char* what) {
   const Vec3d facing = Vec3d(scene.camera.from - scene.camera.at);
   for (const Vec3d& side : {Vec3d(1, 0, 0), Vec3d(-1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1),
@@ -71,13 +71,13 @@ void expect_normal(Scene scene, Vec3d normal, const char* what) {
     light.direction = Vec3f(-to_light);
     scene.physical_lights = {light};
     const double expected = std::max(dot(normal, to_light), 0.0);
-    EXPECT_NEAR(picture_of(scene, by_paths(1, 2)).at(4, 4).x, expected, 1e-5)
+    EXPECT_NEAR(picture_of(scene, normal_options(1, 2)).at(4, 4).x, expected, 1e-5)
         << what << ", light from " << side.x << ' ' << side.y << ' ' << side.z;
   }
 }
 
 TEST(PathNormals, RedPointsRightAndGreenUp) {
-  for (const uint32_t texel : {kRight, kUp, texel_of(40, 220, 200)}) {
+  for (const uint32_t texel : {kRight, kUp, texel_of(90, 180, 225)}) {
     EXPECT_GT(dot(normal_of(kRight), Vec3d(1, 0, 0)), 0.49);
     expect_normal(mapped_square(texel), normal_of(texel), "plain");
   }
@@ -128,6 +128,7 @@ TEST(PathNormals, InstancesTakeTheirNormalsAlong) {
   }
 }
 
+// No texel is exactly flat: 128 is a tilt of a quarter of a degree.
 TEST(PathNormals, FlatMapsChangeLittle) {
   Scene scene = mapped_square(kFlat, {.metallic = 0.5f, .roughness = 0.5f});
   PhysicalLight light;
@@ -135,11 +136,11 @@ TEST(PathNormals, FlatMapsChangeLittle) {
   scene.physical_lights = {light};
   scene.background = {0.2f, 0.3f, 0.4f};
   scene.camera.fov_deg = 30;
-  const Image mapped = picture_of(scene, by_paths(64, 3));
+  const Image mapped = picture_of(scene, normal_options(64, 3));
   scene.standard_surfaces[0].normal_texture = kNoTexture;
-  const Image plain = picture_of(scene, by_paths(64, 3));
+  const Image plain = picture_of(scene, normal_options(64, 3));
   for (size_t i = 0; i < plain.pixels.size(); ++i)
-    EXPECT_NEAR(mapped.pixels[i].x, plain.pixels[i].x, 0.02f * plain.pixels[i].x) << i;
+    EXPECT_NEAR(mapped.pixels[i].x, plain.pixels[i].x, 0.04f * plain.pixels[i].x) << i;
 }
 
 // Without texture coordinates, or where they have no area, there are no directions.
@@ -150,9 +151,9 @@ TEST(PathNormals, NeedTextureCoordinates) {
   Scene other = scene, plain = scene;
   plain.standard_surfaces[0].normal_texture = kNoTexture;
   other.meshes[0].uv = {};
-  const Image expected = picture_of(plain, by_paths(4, 3));
-  EXPECT_TRUE(same_bytes(picture_of(scene, by_paths(4, 3)), expected));
-  EXPECT_TRUE(same_bytes(picture_of(other, by_paths(4, 3)), expected));
+  const Image expected = picture_of(plain, normal_options(4, 3));
+  EXPECT_TRUE(same_bytes(picture_of(scene, normal_options(4, 3)), expected));
+  EXPECT_TRUE(same_bytes(picture_of(other, normal_options(4, 3)), expected));
 }
 
 // Of a map with all kinds of slopes, texels with no direction, and blue below one half.
@@ -160,8 +161,10 @@ void roughen(Scene& scene) {
   constexpr uint32_t kSide = 16;
   scene.texels = {};
   std::mt19937 rng(1);
-  for (uint32_t i = 0; i < kSide * kSide; ++i)
-    scene.texels.push_back(texel_of(rng() % 256, rng() % 256, 100 + rng() % 156));
+  for (uint32_t i = 0; i < kSide * kSide; ++i) {
+    const auto bits = uint32_t(rng());
+    scene.texels.push_back(texel_of(bits & 255, bits >> 8 & 255, 100 + (bits >> 16) % 156));
+  }
   scene.textures = {{0, kSide, kSide}};
 }
 
@@ -170,11 +173,11 @@ TEST(PathNormals, NoBlackPixelsAtGrazingAngles) {
   for (const float roughness : {0.0f, 0.3f}) {
     Scene scene = mapped_square(0, {.metallic = 1, .roughness = roughness});
     roughen(scene);
-    scene.meshes = {square(20)};
+    scene.meshes = {map_sheet(20)};
     scene.background = Rgb(1);
     scene.camera.from = {-2, 0.1f, 0.18f}, scene.camera.at = {}, scene.camera.up = {0, 0, 1};
     scene.camera.fov_deg = 4;
-    RenderOptions options = by_paths(64, 3);
+    RenderOptions options = normal_options(64, 3);
     options.width = options.height = 32;
     for (const Rgb& pixel : picture_of(scene, options).pixels)
       EXPECT_GT(pixel.x, roughness == 0 ? 0.999f : 0.4f);
@@ -209,14 +212,14 @@ TEST(PathNormals, OnePictureForAllThreadsAndInstructionSets) {
   Scene scene = tests::random_scene(40, 3);
   scene.standard_surfaces.assign(3, {.metallic = 0.5f, .roughness = 0.3f, .normal_texture = 0});
   roughen(scene);
-  Mesh mesh = square();
+  Mesh mesh = map_sheet();
   mesh.normals = {{-0.6f, 0, 0.8f}, {0.6f, 0, 0.8f}, {0, 0.6f, 0.8f}, {0, 0, 1}};
   scene.meshes = {mesh};
   Object object;
   object.meshes = {mesh};
   scene.prototypes = {object};
   scene.instances = {{0, {-0.5f, 0.2f, 0, 0.1f, 0, 0.5f, 0.3f, 0, 0.1f, 0, 0.5f, 0.4f}}};
-  RenderOptions options = by_paths(4, 8);
+  RenderOptions options = normal_options(4, 8);
   options.width = 40, options.height = 30, options.soft_shadows = true;
   const Image mapped = expect_one_picture(scene, options);
   for (StandardSurface& s : scene.standard_surfaces) s.normal_texture = kNoTexture;
