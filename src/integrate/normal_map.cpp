@@ -34,15 +34,15 @@ std::optional<TextureAxes> texture_axes(const Geometry& geometry, InstanceId ins
 // edges between triangles show where their coordinates are bent.
 Vec3f mapped_normal(Vec3f normal, const TextureAxes& axes, Rgb texel, float scale) {
   const Vec3d n(normal);
-  const Vec3d along = axes.u - n * dot(n, axes.u);
-  const double size = length(along);
+  const Vec3d right = axes.u - n * dot(n, axes.u), across = cross(n, right);
+  const Vec3d up = dot(across, axes.v) < 0 ? -across : across;
+  const double size = length(right);  // of both
   if (!(size > 0)) return normal;
-  const Vec3d x = along / size, up = cross(n, x);
-  const Vec3d y = dot(up, axes.v) < 0 ? -up : up;
   const Vec3d t = Vec3d(texel) * 2.0 - Vec3d(1);
-  const Vec3d tilted = x * (t.x * double(scale)) + y * (t.y * double(scale)) + n * t.z;
-  const double by = length(tilted);
-  return by > 1e-6 && std::isfinite(by) ? Vec3f(tilted / by) : normal;
+  const double by = double(scale) / size;
+  const Vec3d tilted = right * (t.x * by) + up * (t.y * by) + n * t.z;
+  const double stretch = length(tilted);
+  return stretch > 1e-6 && std::isfinite(stretch) ? Vec3f(tilted * (1 / stretch)) : normal;
 }
 
 Vec3f bent_normal(Vec3f normal, Vec3f geometric, Vec3f to_eye) {
