@@ -79,7 +79,8 @@ TEST(SceneWarnings, NameParametersThatAreNotShown) {
             "ambient does not show emission (1 material), transmission (1 material); path does");
   EXPECT_EQ(sentence(IntegratorKind::path), "path does not show clearcoat (1 material)");
   EXPECT_EQ(sentence(IntegratorKind::views), "");
-  scene.standard_surfaces[0] = {};
+  scene.textures = {{0, 1, 1}}, scene.texels = {0xff8080};
+  scene.standard_surfaces[0] = {.normal_texture = 0};
   EXPECT_EQ(sentence(IntegratorKind::path), "");
 }
 

@@ -9,6 +9,7 @@
 #include "integrate/environment-inl.h"
 #include "integrate/environment_sampler-inl.h"
 #include "integrate/lights-inl.h"
+#include "integrate/normal_map.h"
 #include "integrate/path_scene.h"
 #include "integrate/shading-inl.h"
 #include "integrate/shadings-inl.h"
@@ -108,6 +109,7 @@ class PathShading final : public Shading {
       const Materials materials(path_.materials, v.material + i);
       const V3 dir = directions(w.rays().rays, i), geometric = load(v.geometric, i);
       const V side = load(v.side, i);
+      if (goes_on && path_.any_normal_maps) tilt_normals(w, materials, i, n);
       V3 normal = load(v.normal, i);
       const M tilted = hn::Ge(dot(normal, dir), hn::Set(d, -1e-4f));
       normal = select(tilted, geometric, normal);
@@ -224,6 +226,33 @@ class PathShading final : public Shading {
     if (const auto triangle = HitColumns{w.hits(), v.kind, v.index}.triangle(geometry, i))
       uv = texture_coordinates(geometry, *triangle, w.hits().u[i], w.hits().v[i]);
     return look_up(scene_.scene, texture, uv);
+  }
+
+  // Normal maps are for shading alone; `geometric` decides which side of the surface is which.
+  HWY_NOINLINE void tilt_normals(Wavefront& w, const Materials& materials, size_t i,
+                                 size_t n) const {
+    SurfacePoints& v = w.points();
+    const Geometry& geometry = scene_.accel.geometry();
+    for (size_t k = 0; k < std::min(kWidth, n - i); ++k) {
+      const PathMaterial& m = materials[k];
+      if (m.normal_texture == kNoTexture) continue;
+      const size_t at = i + k;
+      const InstanceId instance = w.hits().instance[at];
+      const auto triangle =
+          HitColumns{w.hits(), v.kind, v.index}.triangle(geometry.object_at(instance), at);
+      if (!triangle) continue;
+      const auto axes = texture_axes(geometry, instance, *triangle);
+      if (!axes) continue;
+      const auto vector = [&](const Floats3& f) {
+        return Vec3f(f.x.at[at], f.y.at[at], f.z.at[at]);
+      };
+      // From behind, bumps are dents.
+      const float side = v.side.at[at];
+      const Rgb texel = texture_at(w, at, m.normal_texture, texture_value);
+      const Vec3f normal =
+          mapped_normal(vector(v.normal) * side, *axes, texel, m.normal_scale) * side;
+      v.normal.set(at, bent_normal(normal, vector(v.geometric), -w.rays().rays[at].dir));
+    }
   }
 
   // The emitted radiance towards the rays, weighted against the sampling of lights.

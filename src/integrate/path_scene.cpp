@@ -176,9 +176,9 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
     PathMaterial out = surface ? mapped(m, *surface, scene.texture_of(id))
                                : mapped(m, scene.specular_of(id), scene.roughness_of(id));
     any_textures |=
-        surface &&
-        (out.metallic_roughness_texture != kNoTexture || out.normal_texture != kNoTexture ||
-         out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
+        surface && (out.metallic_roughness_texture != kNoTexture ||
+                    out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
+    any_normal_maps |= out.normal_texture != kNoTexture;
     any_alpha |= out.alpha_texture != kNoTexture;
     out.conductor = energy.conductor();
     const bool is_metal = out.metallic == 1 && out.metallic_roughness_texture == kNoTexture;

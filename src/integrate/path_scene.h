@@ -97,8 +97,9 @@ struct PathScene {
   EnergyTables energy;
   std::vector<PathMaterial> materials;
   PathLights lights;
-  bool any_textures = false;  // besides those of base colours
-  bool any_alpha = false;     // of textures
+  bool any_textures = false;  // besides those of base colours and normals
+  bool any_normal_maps = false;
+  bool any_alpha = false;  // of textures
 };
 
 }  // namespace raio::core

@@ -93,7 +93,6 @@ std::string unseen_parameters(const Scene& scene, IntegratorKind integrator) {
                           count == 1 ? "" : "s");
   };
   if (is_path) {
-    add("normal maps", [](const auto& s) { return s.normal_texture != kNoTexture; });
     add("clearcoat", [](const auto& s) { return s.coat > 0; });
     add("sheen", [](const auto& s) { return s.sheen_color != Rgb(); });
   } else {
