@@ -16,7 +16,7 @@
 namespace raio::core {
 namespace {
 
-constexpr uint64_t kMaxFileBytes = uint64_t(1) << 31;
+constexpr uint64_t kMaxPictureBytes = uint64_t(1) << 31;
 
 /// The axis closest to the vector.
 Vec3d axis_near(Vec3d v) {
@@ -29,13 +29,13 @@ Vec3d axis_near(Vec3d v) {
 }
 
 /// As linear_from_srgb(), fast for display values of 8 bits.
-float decoded(float encoded) {
+float light_of(float encoded) {
   const uint8_t byte = to_byte(encoded);
   return float(byte) / 255 == encoded ? linear_from_srgb_bytes()[byte] : linear_from_srgb(encoded);
 }
 
 /// Why the picture cannot light a scene, or nothing.
-std::string problem(const Image& image) {
+std::string environment_problem(const Image& image) {
   if (image.width > kLargestEnvironment || image.height > kLargestEnvironment / 2)
     return fmt::format("it has {} x {} pixels; expected at most {} x {}", image.width, image.height,
                        kLargestEnvironment, kLargestEnvironment / 2);
@@ -62,17 +62,18 @@ std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::
   const auto refused = [&](std::string why) {
     return std::unexpected(Error{ErrorKind::bad_input, path.string(), std::move(why)});
   };
-  const auto bytes = read_file(path, kMaxFileBytes);
+  const auto bytes = read_file(path, kMaxPictureBytes);
   if (!bytes) return std::unexpected(bytes.error());
   auto image = decode_image(*bytes);
   if (!image) return refused("the environment: " + image.error());
-  if (std::string why = problem(*image); !why.empty()) return refused("the environment: " + why);
+  if (std::string why = environment_problem(*image); !why.empty())
+    return refused("the environment: " + why);
   if (is_display_format(*bytes))
     parallel_for(size_t(image->height), [&](size_t y) {
       for (int x = 0; x < image->width; ++x)
         for (float* value :
              {&image->at(x, int(y)).x, &image->at(x, int(y)).y, &image->at(x, int(y)).z})
-          *value = decoded(*value);
+          *value = light_of(*value);
     });
   const Vec3d axis = axis_near(Vec3d(up));
   const Vec3d middle = axis.z != 0 ? Vec3d(0, 1, 0) : Vec3d(0, 0, -1);

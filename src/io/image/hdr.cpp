@@ -16,10 +16,10 @@ namespace raio::core {
 namespace {
 
 constexpr size_t kLongestShown = 40;  // of what an error repeats
-constexpr std::string_view kFormat = "32-bit_rle_rgbe", kEndsEarly = "the file ends early";
+constexpr std::string_view kRgbeFormat = "32-bit_rle_rgbe", kHdrEndsEarly = "the file ends early";
 
 /// The next line, without its end; nothing if it does not end.
-std::optional<std::string_view> next_line(std::string_view& bytes) {
+std::optional<std::string_view> take_hdr_line(std::string_view& bytes) {
   const size_t end = bytes.find('\n');
   if (end == std::string_view::npos) return std::nullopt;
   const std::string_view line = bytes.substr(0, end);
@@ -28,7 +28,7 @@ std::optional<std::string_view> next_line(std::string_view& bytes) {
 }
 
 template <class T>
-std::optional<T> number(std::string_view text) {
+std::optional<T> hdr_number(std::string_view text) {
   T value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
@@ -36,17 +36,18 @@ std::optional<T> number(std::string_view text) {
 }
 
 std::unexpected<std::string> expected_text(std::string_view what, std::string_view found) {
-  return std::unexpected(
-      fmt::format("expected {}, found \"{}\"", what, cut_text(found, kLongestShown)));
+  std::string shown = cut_text(found, kLongestShown);
+  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return std::unexpected(fmt::format("expected {}, found \"{}\"", what, shown));
 }
 
 /// Reads the lines up to the empty one: by what the pixels must be divided.
-Decoded<double> read_header(std::string_view& bytes) {
+Decoded<double> read_hdr_header(std::string_view& bytes) {
   double exposure = 1;
   bool has_format = false;
-  next_line(bytes);  // the name of the program
+  take_hdr_line(bytes);  // the name of the program
   for (;;) {
-    const auto line = next_line(bytes);
+    const auto line = take_hdr_line(bytes);
     if (!line) return std::unexpected("the file ends before the size");
     const std::string_view text = trimmed(*line);
     if (text.empty()) break;
@@ -54,31 +55,31 @@ Decoded<double> read_header(std::string_view& bytes) {
     const std::string_view name = trimmed(text.substr(0, equals));
     const std::string_view value = trimmed(text.substr(std::min(equals + 1, text.size())));
     if (name == "FORMAT") {
-      if (value != kFormat) return expected_text(fmt::format("FORMAT={}", kFormat), text);
+      if (value != kRgbeFormat) return expected_text(fmt::format("FORMAT={}", kRgbeFormat), text);
       has_format = true;
     } else if (name == "EXPOSURE") {  // those of several lines multiply
-      exposure *= number<double>(value).value_or(0);
+      exposure *= hdr_number<double>(value).value_or(0);
       if (!(exposure > 0) || !std::isfinite(exposure))
         return expected_text("a positive EXPOSURE", text);
     } else if (name == "COLORCORR") {
       return std::unexpected("COLORCORR is not supported; remove the correction of its colours");
     }
   }
-  if (!has_format) return std::unexpected(fmt::format("expected a line FORMAT={}", kFormat));
+  if (!has_format) return std::unexpected(fmt::format("expected a line FORMAT={}", kRgbeFormat));
   return exposure;
 }
 
 /// Reads "-Y HEIGHT +X WIDTH": rows from top to bottom, pixels from left to right.
-Decoded<Image> read_size(std::string_view& bytes) {
-  const auto line = next_line(bytes);
+Decoded<Image> image_of_size(std::string_view& bytes) {
+  const auto line = take_hdr_line(bytes);
   if (!line) return std::unexpected("the file ends before the size");
   constexpr std::string_view kExpected = "the size as -Y HEIGHT +X WIDTH";
   const std::string_view text = trimmed(*line);
   const size_t across = text.find(" +X ");
   if (!text.starts_with("-Y ") || across == std::string_view::npos || across < 3)
     return expected_text(kExpected, text);
-  const auto height = number<int>(text.substr(3, across - 3)),
-             width = number<int>(text.substr(across + 4));
+  const auto height = hdr_number<int>(text.substr(3, across - 3)),
+             width = hdr_number<int>(text.substr(across + 4));
   if (!width || !height) return expected_text(kExpected, text);
   if (std::string problem = size_problem(*width, *height); !problem.empty())
     return std::unexpected(std::move(problem));
@@ -90,20 +91,20 @@ Decoded<Image> read_size(std::string_view& bytes) {
   return Image(*width, *height);
 }
 
-using Row = std::vector<std::array<uint8_t, 4>>;
+using RgbeRow = std::vector<std::array<uint8_t, 4>>;
 
 /// Reads a row whose four components are stored one after the other, in runs. Returns the error, or
 /// nothing.
-std::string take_runs(std::string_view& bytes, Row& row) {
+std::string take_runs(std::string_view& bytes, RgbeRow& row) {
   for (size_t component = 0; component < 4; ++component)
     for (size_t x = 0; x < row.size();) {
-      if (bytes.empty()) return std::string(kEndsEarly);
+      if (bytes.empty()) return std::string(kHdrEndsEarly);
       const auto code = uint8_t(bytes[0]);
       const bool is_run = code > 128;
       const size_t count = is_run ? code - 128 : code, stored = is_run ? 1 : count;
       if (count == 0 || count > row.size() - x)
         return fmt::format("{} pixels at column {} of a row of {}", count, x, row.size());
-      if (bytes.size() <= stored) return std::string(kEndsEarly);
+      if (bytes.size() <= stored) return std::string(kHdrEndsEarly);
       for (size_t i = 0; i < count; ++i) row[x++][component] = uint8_t(bytes[1 + (is_run ? 0 : i)]);
       bytes.remove_prefix(1 + stored);
     }
@@ -111,8 +112,8 @@ std::string take_runs(std::string_view& bytes, Row& row) {
 }
 
 /// Returns the error, or nothing.
-std::string take_row(std::string_view& bytes, Row& row) {
-  if (bytes.size() < 4) return std::string(kEndsEarly);
+std::string take_row(std::string_view& bytes, RgbeRow& row) {
+  if (bytes.size() < 4) return std::string(kHdrEndsEarly);
   const auto byte = [&](size_t i) { return size_t(uint8_t(bytes[i])); };
   // Other programs write no runs for other widths, and no run begins as a bright pixel.
   if (row.size() >= 8 && row.size() < 32768 && byte(0) == 2 && byte(1) == 2 && byte(2) < 128) {
@@ -121,7 +122,7 @@ std::string take_row(std::string_view& bytes, Row& row) {
     bytes.remove_prefix(4);
     return take_runs(bytes, row);
   }
-  if (bytes.size() < 4 * row.size()) return std::string(kEndsEarly);
+  if (bytes.size() < 4 * row.size()) return std::string(kHdrEndsEarly);
   for (auto& pixel : row) {
     for (size_t i = 0; i < 4; ++i) pixel[i] = uint8_t(bytes[i]);
     if (pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1)
@@ -131,12 +132,12 @@ std::string take_row(std::string_view& bytes, Row& row) {
   return {};
 }
 
-Decoded<Image> decode(std::string_view bytes) {
-  const auto exposure = read_header(bytes);
+Decoded<Image> decode_rgbe(std::string_view bytes) {
+  const auto exposure = read_hdr_header(bytes);
   if (!exposure) return std::unexpected(exposure.error());
-  auto image = read_size(bytes);
+  auto image = image_of_size(bytes);
   if (!image) return image;
-  Row row(size_t(image->width));
+  RgbeRow row(size_t(image->width));
   for (int y = 0; y < image->height; ++y) {
     if (std::string wrong = take_row(bytes, row); !wrong.empty())
       return std::unexpected(fmt::format("row {}: {}", y, wrong));
@@ -154,7 +155,7 @@ Decoded<Image> decode(std::string_view bytes) {
 }  // namespace
 
 Decoded<Image> decode_hdr(std::string_view bytes) {
-  auto image = decode(bytes);
+  auto image = decode_rgbe(bytes);
   if (!image) return std::unexpected(fmt::format("broken HDR: {}", image.error()));
   return image;
 }
