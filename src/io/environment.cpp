@@ -60,14 +60,14 @@ std::string environment_problem(const Image& image) {
 std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::path& path,
                                            Vec3f up, double rotation) {
   const auto refused = [&](std::string why) {
-    return std::unexpected(Error{ErrorKind::bad_input, path.string(), std::move(why)});
+    return std::unexpected(
+        Error{ErrorKind::bad_input, path.string(), "the environment: " + std::move(why)});
   };
   const auto bytes = read_file(path, kMaxPictureBytes);
-  if (!bytes) return std::unexpected(bytes.error());
+  if (!bytes) return refused(bytes.error().message);
   auto image = decode_image(*bytes);
-  if (!image) return refused("the environment: " + image.error());
-  if (std::string why = environment_problem(*image); !why.empty())
-    return refused("the environment: " + why);
+  if (!image) return refused(image.error());
+  if (std::string why = environment_problem(*image); !why.empty()) return refused(std::move(why));
   if (is_display_format(*bytes))
     parallel_for(size_t(image->height), [&](size_t y) {
       for (int x = 0; x < image->width; ++x)
