@@ -70,10 +70,10 @@ std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::
   if (std::string why = environment_problem(*image); !why.empty()) return refused(std::move(why));
   if (is_display_format(*bytes))
     parallel_for(size_t(image->height), [&](size_t y) {
-      for (int x = 0; x < image->width; ++x)
-        for (float* value :
-             {&image->at(x, int(y)).x, &image->at(x, int(y)).y, &image->at(x, int(y)).z})
-          *value = light_of(*value);
+      for (int x = 0; x < image->width; ++x) {
+        Rgb& c = image->at(x, int(y));
+        c = {light_of(c.x), light_of(c.y), light_of(c.z)};
+      }
     });
   const Vec3d axis = axis_near(Vec3d(up));
   const Vec3d middle = axis.z != 0 ? Vec3d(0, 1, 0) : Vec3d(0, 0, -1);
