@@ -18,7 +18,7 @@ using tests::png_of;
 
 TEST_F(ImageTest, BadFilesAreErrorsInOneLine) {
   expect_bad("", "empty");
-  expect_bad("GIF89a", "expected a PNG, JPEG, EXR, PFM or PPM picture");
+  expect_bad("GIF89a", "expected a PNG, JPEG, EXR, HDR, PFM or PPM picture");
   expect_bad("P4 1 1 \xff", "expected a PNG, JPEG, EXR");
   expect_bad("P6", "the file ends before the width");
   expect_bad("P6 x 1 255 ", "expected the width, found \"x\"");

@@ -21,6 +21,8 @@ TYPES = {
 
 
 def type_of(option):
+    if option["value_name"] == "FILE":
+        return "str | os.PathLike[str]"
     words = "Literal[" + ", ".join(f'"{word}"' for word in option["words"]) + "]"
     if option["type"] == "number" and option["words"]:
         return "float | " + words
@@ -55,7 +57,7 @@ def text():
     others = {k: o for k, o in options.items() if not o["of_reader"]}
     return "\n\n\n".join([
         '"""The options of the command line as types of keyword arguments; by tools/python_options.py."""'
-        "\n\nfrom collections.abc import Sequence\nfrom typing import Literal, TypedDict"
+        "\n\nimport os\nfrom collections.abc import Sequence\nfrom typing import Literal, TypedDict"
         "\n\nimport numpy.typing as npt\n\nfrom ._annotations import AnnotationOptions",
         class_text("ReadOptions", "TypedDict", "How raio.load() reads a file. None: the default.", read),
         class_text("RenderOptions", "AnnotationOptions",

@@ -1,5 +1,6 @@
 """The options of the command line as types of keyword arguments; by tools/python_options.py."""
 
+import os
 from collections.abc import Sequence
 from typing import Literal, TypedDict
 
@@ -36,6 +37,10 @@ class ReadOptions(TypedDict, total=False):
         images: Repeat the unit cell along its sides, as in 2,2,1 (default: 1,1,1)
         frame: Frame of a trajectory or model of a molecule, from 0; negative counts from the end
             (default: 0)
+        environment: Light the scene by this picture of all directions: an equirectangular .exr, .hdr,
+            .pfm, .png or .jpg, twice as wide as high (default: the file's)
+        environment_rotation: Turn the environment counterclockwise, seen from above, in degrees (default:
+            0)
     """
 
     style: Literal["space-filling", "ball-and-stick", "sticks", "points"] | None
@@ -53,6 +58,8 @@ class ReadOptions(TypedDict, total=False):
     cell: bool | None
     images: str | Sequence[str] | Sequence[float] | None
     frame: int | None
+    environment: str | os.PathLike[str] | None
+    environment_rotation: float | None
 
 
 class RenderOptions(AnnotationOptions, total=False):
@@ -227,7 +234,7 @@ class RenderOptions(AnnotationOptions, total=False):
     threads: int | None
     seed: int | None
     counters: bool | None
-    checkpoint: str | int | None
+    checkpoint: str | os.PathLike[str] | None
     checkpoint_interval: float | None
     resume: bool | None
     time_limit: float | None

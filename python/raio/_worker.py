@@ -156,7 +156,8 @@ def portion(data: bytes | None, source: tuple[Any, ...], structure: dict[str, st
     def make() -> tuple[_raio.Accel, int]:
         if data is None:
             _, path, read = source
-            _check_is_there(path)
+            for file in path, dict(read).get("environment", path):
+                _check_is_there(file)
             core = _raio.Scene.read(path, _settings({**dict(read), "threads": threads}))
         else:
             core = _raio.Scene.from_bytes(data)

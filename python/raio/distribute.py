@@ -104,10 +104,10 @@ class _Picture:
             self._data = core.to_bytes()
             self._source = (key_of(self._data),)
         else:
-            path, scene = os.path.abspath(scene), load(scene, **read)
-            core, stat = scene._core(), os.stat(path)
-            reader = tuple(texts(read).items())
-            self._source = (key_of(path, reader, stat.st_size, stat.st_mtime_ns), path, reader)
+            path, read = os.path.abspath(scene), _found_by_all(read)
+            scene = load(path, **read)
+            core, reader = scene._core(), tuple(texts(read).items())
+            self._source = (key_of(reader, *_files(path, read)), path, reader)
         annotations = Annotations(scene, marks)
         wanted = scene._with_defaults(others)
         self.film = _raio.begin(core, settings(wanted))
@@ -192,6 +192,22 @@ def _absolute(background: Any) -> Any:
     """The folder or file of a background, as all workers find it."""
     is_path = isinstance(background, (str, os.PathLike)) and os.path.exists(background)
     return os.path.abspath(background) if is_path else background
+
+
+def _found_by_all(options: dict[str, Any]) -> dict[str, Any]:
+    """The options, with paths that all workers find."""
+    return {name: _absolute(value) if name in ("background", "environment") else value
+            for name, value in options.items()}
+
+
+def _files(path: AnyPath, read: dict[str, Any]) -> list[Any]:
+    """The files that are read for a scene, and what changes with their contents."""
+    found: list[Any] = []
+    for file in (path, read.get("environment")):
+        if file is not None:
+            stat = os.stat(file)
+            found += os.path.abspath(file), stat.st_size, stat.st_mtime_ns
+    return found
 
 
 def _own(options: dict[str, Any]) -> dict[str, Any]:
@@ -326,9 +342,7 @@ class _Movie:
             raise TypeError("checkpoint is not for animate(), whose frames are kept as they are")
         marks, plain = split_annotations(others)
         settings(plain), settings(read)  # report errors
-        self._options = {**read, **others}
-        if "background" in others:
-            self._options["background"] = _absolute(others["background"])
+        self._options = _found_by_all({**read, **others})
         self._suffix = Path(pattern).suffix.lower()
         if self._suffix not in (".png", ".ppm", ".pfm", ".exr", ".npz", ".npy"):
             raise ValueError("path: expected a pattern such as frame-{:04d}.png, with the suffix of a picture; found "
@@ -358,8 +372,7 @@ class _Movie:
         """What a frame depends on."""
         frame = self._frames[index]
         if isinstance(frame, (str, os.PathLike)):
-            stat = os.stat(frame)
-            return key_of(os.path.abspath(frame), stat.st_size, stat.st_mtime_ns)
+            return key_of(*_files(frame, self._options))
         if isinstance(frame, Scene):
             return key_of(frame._core().to_bytes(), repr(frame._camera), repr(frame._background))
         raise TypeError(f"frames: expected Scenes or paths of scene files, found {type(frame).__name__} for frame "

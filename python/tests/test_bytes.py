@@ -74,3 +74,17 @@ def test_same_bytes(scene, options, suffix, program, tmp_path):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", raio.SceneWarning)
             assert raio.render(SCENES / scene, **options)._repr_png_() == by_program.read_bytes()
+
+
+def test_same_bytes_in_an_environment(program, tmp_path):
+    head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"
+    (tmp_path / "sky.hdr").write_bytes(head + bytes([200, 100, 50, 129, 20, 40, 80, 129]))
+    options = {"environment": tmp_path / "sky.hdr", "environment_rotation": 30, "integrator": "path"}
+    test_same_bytes("crates.gltf", {**options, "samples": 4}, ".png", program, tmp_path)
+    del options["integrator"]
+    lit, scene = raio.load(SCENES / "rings.nff", **options), raio.load(SCENES / "rings.nff")
+    small = {"size": (60, 45), "integrator": "path", "samples": 1}
+    assert lit.render(**small)._repr_png_() != scene.render(**small)._repr_png_()
+    (tmp_path / "sky.hdr").write_bytes(head + bytes(7))
+    with pytest.raises(raio.SceneError, match="sky.hdr.*7 bytes are too short for 2 x 1 pixels"):
+        raio.load(SCENES / "rings.nff", **options)

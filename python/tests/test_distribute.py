@@ -173,6 +173,15 @@ def test_files_are_read_by_the_workers(client, tmp_path):
     assert image.settings()["style"] == "ball-and-stick"
 
 
+def test_environments_are_read_by_the_workers(client, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = {**SIZE, "environment": "sky.pfm", "integrator": "ambient"}
+    for value in 1.0, 3.0:
+        pathlib.Path("sky.pfm").write_bytes(b"PF\n2 1\n-1\n" + np.float32([value, 0, 0] * 2).tobytes())
+        image = distribute.render(ROOT / "scenes/rings.nff", client=client, **options)
+        assert same_bytes(image, raio.render(ROOT / "scenes/rings.nff", **options))
+
+
 @pytest.fixture
 def sky(tmp_path):
     """A folder with the six faces of a sky."""

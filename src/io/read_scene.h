@@ -62,9 +62,11 @@ struct ReadOptions {
   std::array<int, 3> images = {1, 1, 1};  // of the cell along its sides
   // Atoms to draw (io/atoms/select.h); empty: all.
   std::string only = {}, hide = {}, show = {};
-  bool hide_solvent = false;  // water and ions around a space-filling protein or nucleic acid
-  bool instances = false;     // keep instances; else they become primitives
-  bool labels = false;        // keep what the file says about each atom
+  std::string environment = {};    // a picture of the light from all directions (io/environment.h)
+  float environment_rotation = 0;  // degrees, counterclockwise seen from above
+  bool hide_solvent = false;       // water and ions around a space-filling protein or nucleic acid
+  bool instances = false;          // keep instances; else they become primitives
+  bool labels = false;             // keep what the file says about each atom
   std::optional<std::filesystem::path> folder = {};  // of referenced files; absent: none
   FrameCache* cache = nullptr;                       // for reading frame after frame of a text
   // NOLINTEND(readability-redundant-member-init)

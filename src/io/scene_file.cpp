@@ -13,6 +13,7 @@
 #include "base/platform/files.h"
 #include "io/atoms/read.h"
 #include "io/cube_map.h"
+#include "io/environment.h"
 #include "io/mesh/read.h"
 #include "io/mesh/smooth.h"
 #include "io/mesh/write.h"
@@ -142,6 +143,24 @@ std::string apply_instances(const ReadOptions& options, Scene& scene) {
   return problems.empty() ? "" : "its instances as primitives: " + problems.front();
 }
 
+/// What all files need once they are read: instances as the options say, and the environment.
+std::expected<ReadScene, Diagnostics> finished(ReadScene read, std::string_view file, Vec3f up,
+                                               const ReadOptions& options) {
+  if (std::string wrong = apply_instances(options, read.scene); !wrong.empty())
+    return failed(file, std::move(wrong));
+  if (options.environment.empty() && options.environment_rotation != 0)
+    return failed(file, "`environment-rotation` has no effect without `environment`; leave it out");
+  if (options.environment.empty()) return read;
+  if (!read.scene.environment.empty())
+    read.notices.push_back({Severity::left_out, std::string(file), 0, 0,
+                            "its own environment; `environment` replaces it", ""});
+  if (const auto done = set_environment(read.scene, options.environment, up,
+                                        double(options.environment_rotation));
+      !done)
+    return failed(done.error().subject, done.error().message);
+  return read;
+}
+
 /// Parses a file in memory, compressed or not. `name` is the file without folder; both become those
 /// of the decompressed file.
 std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& text,
@@ -171,9 +190,9 @@ std::expected<ReadScene, Diagnostics> parse(std::shared_ptr<const TextBuffer>& t
   read->choices.mesh =
       kind.is_mesh && !(read->scene.meshes.empty() && read->scene.prototypes.empty());
   if (kind.is_mesh) smooth_meshes(read->scene, options.smooth.value_or(kind.smooth));
-  if (std::string wrong = apply_instances(options, read->scene); !wrong.empty())
-    return failed(file, std::move(wrong));
-  return read;
+  // glTF says which direction is up; in other files the camera does.
+  const Vec3f up = kind.read == read_gltf ? Vec3f(0, 1, 0) : read->scene.camera.up;
+  return finished(std::move(*read), file, up, options);
 }
 
 }  // namespace
@@ -203,10 +222,9 @@ std::expected<ReadScene, Diagnostics> SceneFrames::read_one(const ReadOptions& o
     if (const auto option = unfit_option(options, {}); !option.empty()) return unfit(file, option);
     auto scene = read_raio_scene(opened);
     if (!scene) return std::unexpected(std::move(scene.error()));
-    ReadScene read{std::move(*scene), {}};
-    if (std::string wrong = apply_instances(options, read.scene); !wrong.empty())
-      return failed(file, std::move(wrong));
-    add_sky(read, opened, file);
+    const Vec3f up = scene->camera.up;
+    auto read = finished({std::move(*scene), {}}, file, up, options);
+    if (read) add_sky(*read, opened, file);
     return read;
   }
   if (!text_) {

@@ -145,6 +145,14 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
     option(input, "frame", "N",
            "Frame of a trajectory or model of a molecule, from 0; negative counts from the end",
            kReadValue<&ReadOptions::frame>, usual("0")),
+    option(
+        input, "environment", "FILE",
+        "Light the scene by this picture of all directions: an equirectangular .exr, .hdr, .pfm, "
+        ".png or .jpg, twice as wide as high",
+        kReadValue<&ReadOptions::environment>, usual("the file's")),
+    option(input, "environment-rotation", "DEG",
+           "Turn the environment counterclockwise, seen from above",
+           kReadValue<&ReadOptions::environment_rotation>, usual("0"), range(-360, 360, "degrees")),
 });
 
 }  // namespace

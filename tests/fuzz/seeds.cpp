@@ -136,7 +136,7 @@ void write_scenes(const fs::path& folder) {
 }
 
 void write_all(const fs::path& folder) {
-  for (const char* format : {"png", "jpeg", "exr", "pfm", "ppm", "part", "scene_file"})
+  for (const char* format : {"png", "jpeg", "exr", "pfm", "ppm", "hdr", "part", "scene_file"})
     fs::create_directories(folder / format);
   write_png(folder / "png");
   write_jpeg(folder / "jpeg");
@@ -145,6 +145,11 @@ void write_all(const fs::path& folder) {
   write_scenes(folder / "scene_file");
   put(folder / "pfm/own.pfm", encode_pfm(sample()));
   put(folder / "pfm/grey.pfm", std::string("Pf\n1 2\n2.5\n\0\0\x80\x3e\0\0\x80\x3f", 19));
+  const std::string head = "#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n";
+  put(folder / "hdr/flat.hdr", head + "-Y 2 +X 1\n\x80\x40\xff\x81\x05\x06\x07\x7f");
+  put(folder / "hdr/runs.hdr", head + std::string("-Y 1 +X 8\n\x02\x02\0\x08\x88\x80\x88\x10\x83"
+                                                  "\x10\x05\x09\x08\x07\x06\x05\x88\x81",
+                                                  28));
   put(folder / "ppm/own.ppm", encode_ppm(sample()));
   put(folder / "ppm/2.ppm", "P2\n2 1 # grey\n4\n1 4");
   put(folder / "ppm/3.ppm", "P3 1 2 255 4 0 255\n1 1 1");

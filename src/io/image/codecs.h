@@ -56,6 +56,9 @@ Picture picture_of(const PixelRows& rows);
 /// Row y as texels (Scene::texels); 16 bits become 8.
 void put_texels(const PixelRows& rows, int y, uint32_t* to);
 
+/// Whether these are the first bytes of a format with display values (sRGB), not light.
+bool is_display_format(std::string_view bytes);
+
 /// For PNG and JPEG.
 Decoded<PixelRows> decode_rows(std::string_view bytes, bool with_alpha = false);
 
@@ -97,5 +100,8 @@ Decoded<Image> decode_ppm(std::string_view bytes);
 std::string encode_pfm(const Image& image);
 /// PF and Pf of either byte order. The magnitude of the scale, a unit of light, is ignored.
 Decoded<Image> decode_pfm(std::string_view bytes);
+
+/// Radiance RGBE, flat or with runs of components, rows from top to bottom, divided by EXPOSURE.
+Decoded<Image> decode_hdr(std::string_view bytes);
 
 }  // namespace raio::core

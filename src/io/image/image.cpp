@@ -47,6 +47,11 @@ Decoded<std::string> encode(const PictureView& picture, ImageFormat format,
 constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n", kExrBegin = "\x76\x2f\x31\x01",
                            kJpegBegin = "\xff\xd8\xff";
 
+bool is_ppm(std::string_view bytes) {
+  return std::ranges::any_of(std::array{"P2", "P3", "P5", "P6"},
+                             [&](std::string_view magic) { return bytes.starts_with(magic); });
+}
+
 bool is_plain(std::string_view word) {
   return std::ranges::all_of(word, [](char c) { return c > ' ' && c <= '~'; });
 }
@@ -182,6 +187,10 @@ void put_texels(const PixelRows& rows, int y, uint32_t* to) {
     to[x] = value(0) | value(1) << 8 | value(2) << 16 | (has_alpha ? 255 - value(3) : 0u) << 24;
 }
 
+bool is_display_format(std::string_view bytes) {
+  return bytes.starts_with(kPngBegin) || bytes.starts_with(kJpegBegin) || is_ppm(bytes);
+}
+
 Decoded<PixelRows> decode_rows(std::string_view bytes, bool with_alpha) {
   if (bytes.starts_with(kPngBegin)) return png_rows(bytes, with_alpha);
   if (bytes.starts_with(kJpegBegin)) return jpeg_rows(bytes);
@@ -197,10 +206,10 @@ Decoded<Image> decode_image(std::string_view bytes) {
   }
   if (bytes.starts_with(kExrBegin)) return decode_exr(bytes);
   if (bytes.starts_with("PF") || bytes.starts_with("Pf")) return decode_pfm(bytes);
-  for (const std::string_view magic : {"P2", "P3", "P5", "P6"})
-    if (bytes.starts_with(magic)) return decode_ppm(bytes);
+  if (bytes.starts_with("#?")) return decode_hdr(bytes);
+  if (is_ppm(bytes)) return decode_ppm(bytes);
   return std::unexpected(bytes.empty() ? "the file is empty"
-                                       : "expected a PNG, JPEG, EXR, PFM or PPM picture");
+                                       : "expected a PNG, JPEG, EXR, HDR, PFM or PPM picture");
 }
 
 Decoded<Picture> decode_picture(std::string_view bytes) {

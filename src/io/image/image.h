@@ -97,9 +97,9 @@ std::expected<std::string, Error> encode_image(const Picture& picture,
                                                const Metadata& metadata = {});
 
 /// Reads PNG (alpha dropped, grey expanded), JPEG, EXR (R, G, B or Y; the data window of the first
-/// part; colours as stored, premultiplied if there is alpha), PFM (PF and Pf) and PPM (P2, P3, P5,
-/// P6), up to 2^28 pixels. The first bytes determine the format, not the suffix; 0 to the format's
-/// largest integer becomes 0 to 1. The file is not trusted.
+/// part; colours as stored, premultiplied if there is alpha), Radiance HDR (RGBE), PFM (PF and Pf)
+/// and PPM (P2, P3, P5, P6), up to 2^28 pixels. The first bytes determine the format, not the
+/// suffix; 0 to the format's largest integer becomes 0 to 1. The file is not trusted.
 std::expected<Image, Error> read_image(const std::filesystem::path& path);
 
 /// Reads the formats of read_image completely: alpha of PNG, with colours then premultiplied, alpha
