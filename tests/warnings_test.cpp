@@ -9,6 +9,8 @@
 
 #include "io/nff/nff.h"
 #include "render/options.h"
+#include "render/render.h"
+#include "scenes.h"
 
 namespace raio::core {
 namespace {
