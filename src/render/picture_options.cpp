@@ -81,7 +81,7 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
     return {};
   }
   if (const std::string suffix = lower_suffix(text); suffix == ".exr" || suffix == ".hdr")
-    return expected_but("a colour or a folder; `environment` lights the scene by a picture", text);
+    return std::unexpected(color.error() + "; `environment` lights the scene by a picture");
   if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
     return std::unexpected(color.error() + "; and there is no folder with that name");
   auto sky = read_cube_map(text);
