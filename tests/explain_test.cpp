@@ -138,6 +138,102 @@ TEST(Explain, TermsAddUpInTheSharedScenes) {
   }
 }
 
+// A floor and a mirror below an emitting square, a lamp, a glass ball, in a world with a picture.
+Scene path_scene() {
+  Scene scene = tests::random_scene(20, 7);
+  const auto emitter = MaterialId(scene.materials.size());
+  scene.add_material({.color = Rgb(0.5f), .kd = 1, .ior = 1.5f});
+  scene.set_standard_surface({.emission = {3, 2, 1}});
+  scene.add_material({.color = {0.2f, 0.7f, 0.9f}, .kd = 1, .ior = 1.5f});
+  scene.set_standard_surface({.roughness = 0.2f,
+                              .transmission = 0.9f,
+                              .is_thin = 0,
+                              .attenuation_color = {0.9f, 0.5f, 0.8f},
+                              .attenuation_distance = 1});
+  Mesh mesh;
+  mesh.positions = {{-2, -2, 3}, {2, -2, 3}, {2, 2, 3}, {-2, 2, 3}};
+  mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+  mesh.materials = {emitter};
+  scene.meshes.push_back(mesh);
+  scene.spheres.push_back({{0, 0, 0}, 0.8f}), scene.sphere_materials.push_back(emitter + 1);
+  scene.environment = {{.width = 3, .height = 2}};
+  scene.environment_texels = {Rgb(1), Rgb(0), Rgb(0.5f), {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  return scene;
+}
+
+// The weights of multiple importance sampling follow from the densities, the radiance of surfaces
+// and the weights of rays from the terms, and all rays add up to the pixel.
+TEST(Explain, PathsAddUpToThePixel) {
+  const Scene scene = path_scene();
+  RenderOptions options;
+  options.width = 80, options.height = 60, options.samples = 4, options.depth = 9;
+  options.integrator = IntegratorKind::path;
+  options.accel.kind = AccelKind::bvh, options.accel.counters = true;
+  RenderSettings settings = resolve_options(options, scene);
+  const auto accel = build_accel(scene, settings.accel);
+  ASSERT_TRUE(accel.has_value());
+  std::mt19937 rng(3);
+  std::array<size_t, 5> seen{};
+  const auto near = [](Rgb a, Rgb b) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 2e-6f * (1 + std::abs(b[c])));
+  };
+  for (int k = 0; k < 30; ++k) {
+    const int x = int(rng() % 80), y = int(rng() % 60);
+    SCOPED_TRACE(testing::Message() << "pixel " << x << "," << y);
+    Vec3d rgb;
+    RayCounts counts;
+    for (uint32_t s = 0; s < 4; ++s) {
+      const auto e = explain_sample(scene, **accel, settings, x, y, s);
+      ASSERT_TRUE(e.has_value());
+      rgb = rgb + e->rgb, counts += e->counts;
+      std::vector<Rgb> direct(e->rays.size());
+      for (const ExplainedRay& r : e->rays) {
+        if (r.kind == Kind::eye) continue;
+        const ExplainedRay& from = e->rays[size_t(r.parent)];
+        const ExplainedRay::Bounce& b = *from.bounce;
+        if (r.kind == Kind::shadow) {
+          if (!r.occluded) direct[size_t(r.parent)] = b.direct, ++seen[0];
+          const float p = b.light_density, q = b.light_bsdf_density;
+          EXPECT_NEAR(b.light_weight, p > 0 ? p / (p + q) : 1, 1e-6f);
+          near(b.direct, b.transmittance * b.light_bsdf * b.light_radiance * b.light_weight);
+          EXPECT_GT(b.light_probability, 0);
+          continue;
+        }
+        near(r.weight, from.weight * b.weight / b.chance);
+        seen[1] += b.chance < 1;
+        EXPECT_EQ(dot(r.ray.dir, from.surface->geometric) < 0, r.kind == Kind::refraction);
+        const float density = b.density;
+        if (r.escape) {
+          ++seen[2];
+          const float other = r.escape->light_density;
+          EXPECT_NEAR(r.escape->weight, density > 0 ? density / (density + other) : 1, 1e-6f);
+        } else if (r.bounce && r.bounce->emission != Rgb()) {
+          ++seen[3];
+          const float other = r.bounce->emission_density;
+          EXPECT_NEAR(r.bounce->emission_weight, density > 0 ? density / (density + other) : 1,
+                      1e-6f);
+        }
+        seen[4] += b.transmittance != Rgb(1);
+      }
+      for (size_t i = 0; i < e->rays.size(); ++i) {
+        const auto& b = e->rays[i].bounce;
+        if (!b) continue;
+        EXPECT_EQ(e->rays[i].surface->radiance,
+                  b->transmittance * (b->emission * b->emission_weight) + direct[i]);
+      }
+    }
+    RenderSettings cropped = settings;
+    cropped.crop = Crop{x, y, x + 1, y + 1};
+    const auto film = make_film(scene, cropped);
+    ASSERT_TRUE(film.has_value());
+    WorkControl control;
+    render(scene, **accel, cropped, **film, control);
+    EXPECT_EQ(Rgb(rgb / 4), (*film)->resolve().at(0, 0));
+    EXPECT_EQ(counts, (*film)->rays());
+  }
+  for (const size_t count : seen) EXPECT_GT(count, 10u);
+}
+
 // The cost of a single ray equals its log.
 TEST(Explain, LogsMatchTheCostOfASingleRay) {
   const Scene scene = tests::random_scene(400, 3);

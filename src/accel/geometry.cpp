@@ -312,13 +312,14 @@ void Geometry::bake_colors() {
   bakes_colors_ = true;
 }
 
-// Of a triangle with area, or of a piece of a polygon.
+// Of a triangle with area, or of a piece of a polygon. That of cutouts applies where rays hit them.
 float Geometry::triangle_opacity(size_t i) const {
   const Object& s = *object_;
   const size_t source = source_of(uint32_t(i)), polygons = count_of_triangles();
   if (source < s.triangle_opacity.size()) return s.triangle_opacity[source];
   if (source >= polygons && !s.polygon_opacity.empty()) return s.polygon_opacity[source - polygons];
-  return opacity_of(facets_[i].material);
+  const MaterialId material = facets_[i].material;
+  return scene_->has_cutouts(material) ? 1 : opacity_of(material);
 }
 
 // Of primitives without their own.

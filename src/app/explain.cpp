@@ -74,7 +74,8 @@ class TextTree {
     out_ += fmt::format("\n{}{} ray, level {}, weight {} in the pixel's colour, adds {}\n", indent,
                         word_of(r.kind), r.level, text_of_weight(r.weight), text_of(r.adds));
     const std::string in = indent + "  ";
-    if (r.parent >= 0) line(in, "weight", weight_of_child(r));
+    if (r.parent >= 0 && !what_.sample.rays[size_t(r.parent)].bounce)
+      line(in, "weight", weight_of_child(r));
     line(in, "from", text_of(place(what_.scene, r.ray.origin)));
     line(in, "direction", text_of(r.ray.dir));
     if (!r.surface) {
@@ -82,6 +83,10 @@ class TextTree {
            r.traced ? "nothing" + cost(i)
                     : fmt::format("beyond level {}, the last one traced", what_.settings.depth));
       line(in, "background", text_of(r.background));
+      if (r.escape && r.escape->weight < 1)
+        line(in, "MIS",
+             mis_weight(r.escape->weight, density_before(r), "surface", r.escape->light_density,
+                        "light"));
       return;
     }
     const ExplainedRay::Surface& s = *r.surface;
@@ -92,6 +97,10 @@ class TextTree {
     line(in, "point", text_of(place(what_.scene, s.point)));
     line(in, "normal", text_of(s.normal));
     if (s.geometric != s.normal) line(in, "flat normal", text_of(s.geometric));
+    if (r.bounce) {
+      add_bounce(i, *r.bounce, in);
+      return;
+    }
     line(in, "material", material_of(s));
     line(in, "ambient", fmt::format("{}, A {}", text_of(r.ambient), what_.sample.ambient));
     for (size_t l = 0; l < what_.scene.lights.size(); ++l) add_light(l, children_[i], in);
@@ -99,6 +108,68 @@ class TextTree {
     if (s.transmission > 0) line(in, "refraction", refraction_of(s));
     for (const size_t k : children_[i])
       if (what_.sample.rays[k].kind != Kind::shadow) add_ray(k, in);
+  }
+
+  // Of the direction of a path's ray.
+  float density_before(const ExplainedRay& r) const {
+    return r.parent < 0 ? 0 : what_.sample.rays[size_t(r.parent)].bounce->density;
+  }
+  // The balance heuristic.
+  static std::string mis_weight(float weight, float own, std::string_view by, float other,
+                                std::string_view by_other) {
+    return fmt::format("{}, densities {} by the {}, {} by the {}", weight, own, by, other,
+                       by_other);
+  }
+
+  void add_bounce(size_t i, const ExplainedRay::Bounce& b, const std::string& in) {
+    const ExplainedRay& r = what_.sample.rays[i];
+    std::string material = fmt::format("{}: diffuse {}", r.surface->material, text_of(b.diffuse));
+    if (b.mirror != Rgb()) material += ", metal " + text_of(b.mirror);
+    if (b.coat != Rgb()) material += ", dielectric " + text_of(b.coat);
+    if (b.glass > 0) material += fmt::format(", glass {}", b.glass);
+    line(in, "material", material + fmt::format(", roughness {}", b.roughness));
+    if (b.transmittance != Rgb(1)) line(in, "medium", "transmits " + text_of(b.transmittance));
+    if (b.emission != Rgb()) {
+      line(in, "emission", text_of(b.emission));
+      if (b.emission_density > 0)
+        line(in, "  MIS",
+             mis_weight(b.emission_weight, density_before(r), "surface", b.emission_density,
+                        "light"));
+    }
+    for (const size_t k : children_[i])
+      if (what_.sample.rays[k].kind == Kind::shadow) add_sampled_light(k, b, in);
+    line(in, "radiance", text_of(r.surface->radiance));
+    const auto next = std::ranges::find_if(
+        children_[i], [&](size_t k) { return what_.sample.rays[k].kind != Kind::shadow; });
+    line(in, "next", next_of(r, b, next != children_[i].end()));
+    if (next != children_[i].end()) add_ray(*next, in);
+  }
+  std::string next_of(const ExplainedRay& r, const ExplainedRay::Bounce& b, bool goes_on) const {
+    if (r.level == what_.settings.depth) return "none after the last level";
+    if (!goes_on) return fmt::format("none, with a chance of {}", 1 - b.chance);
+    std::string out = fmt::format("weight {}", text_of_weight(b.weight));
+    if (b.density > 0) out += fmt::format(", density {}", b.density);
+    if (b.chance < 1) out += fmt::format(", divided by its chance {}", b.chance);
+    return out;
+  }
+  void add_sampled_light(size_t k, const ExplainedRay::Bounce& b, const std::string& in) {
+    const ExplainedRay& r = what_.sample.rays[k];
+    const TraceLog::Test* const by = r.occluded ? stopper(what_.logs[k]) : nullptr;
+    line(in, "light",
+         fmt::format("{}, chosen with a probability of {}; {}{}", b.light, b.light_probability,
+                     by           ? "in the shadow of " + name_of(geometry(), by->primitive)
+                     : r.occluded ? "in shadow"
+                                  : "unoccluded",
+                     cost(k)));
+    line(in, "  L", text_of(r.ray.dir));
+    if (b.light_density > 0)
+      line(in, "  MIS",
+           mis_weight(b.light_weight, b.light_density, "light", b.light_bsdf_density, "surface"));
+    line(in, "  radiance",
+         fmt::format("{}, divided by the {}", text_of(b.light_radiance),
+                     b.light_density > 0 ? "density" : "probability"));
+    line(in, "  BSDF cos", text_of(b.light_bsdf));
+    line(in, "  adds", r.occluded ? "nothing" : text_of(b.direct));
   }
 
   // The numbers of the hit's test, for the formula in the window and in docs/explain.md.
@@ -187,6 +258,11 @@ std::string_view word_of(Kind kind) { return kKindNames[size_t(kind)]; }
 std::string name_of(const Geometry& geometry, PrimitiveId id) {
   return fmt::format("{} {}", kPrimitiveKindNames[size_t(geometry.kind_of(id))],
                      geometry.index_of(id));
+}
+
+std::string light_name(const Explanation& sample, const ExplainedRay& shadow) {
+  const auto& bounce = sample.rays[size_t(shadow.parent)].bounce;
+  return bounce ? bounce->light : fmt::format("{}", shadow.light);
 }
 
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log) {

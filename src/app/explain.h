@@ -69,6 +69,8 @@ Vec3d drawn_end(const ExplainedRay& ray, const std::optional<TraceLog>& log, con
 std::string_view word_of(ExplainedRay::Kind kind);
 /// "sphere 12".
 std::string name_of(const Geometry& geometry, PrimitiveId id);
+/// For a shadow ray: "0", or on a path Bounce::light.
+std::string light_name(const Explanation& sample, const ExplainedRay& shadow);
 /// For a shadow ray: the test that stopped it; null if none or not logged.
 const TraceLog::Test* stopper(const std::optional<TraceLog>& log);
 

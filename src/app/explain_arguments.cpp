@@ -71,6 +71,7 @@ void add_classic_options(CLI::App& app, RenderOptions& options) {
                       "lens-samples",
                       "samples",
                       "sampler",
+                      "filter",
                       "depth",
                       "no-reflection",
                       "no-refraction",

@@ -37,6 +37,7 @@ class JsonTree {
               {"samples", o.samples_per_pixel()},
               {"rgb", json_of(sample_.rgb)},
               {"unit", sample_.unit},
+              {"integrator", kIntegratorNames[size_t(o.integrator)]},
               {"depth", o.depth},
               {"structure", accel_name(o.accel.kind)},
               {"shading", shading_name(o.shading)},
@@ -93,17 +94,20 @@ class JsonTree {
                 {"diffuse", json_of(r.diffuse)},
                 {"highlight", json_of(r.highlight)},
                 {"background", json_of(r.background)}}}};
+    if (shadow) json["occluded"] = r.occluded;
     if (r.lit) {
       const bool blinn = what_.settings.shading == ShadingModel::blinn_phong;
-      json["occluded"] = r.occluded;
       json["n_dot_l"] = plain(r.lit->n_dot_l);
       json[blinn ? "h" : "r"] = json_of(r.lit->direction);
       json[blinn ? "n_dot_h" : "r_dot_v"] = plain(r.lit->cosine);
       json["power"] = plain(r.lit->power);
-    } else {
-      json["adds"] = json_of(r.adds);
     }
-    if (r.surface) json["surface"] = surface(*r.surface);
+    if (!shadow) json["adds"] = json_of(r.adds);
+    if (r.surface) json["surface"] = r.bounce ? surface_of_path(r) : surface(*r.surface);
+    if (r.bounce) json["bounce"] = bounce(*r.bounce);
+    if (r.escape)
+      json["escape"] = {{"light_density", plain(r.escape->light_density)},
+                        {"weight", plain(r.escape->weight)}};
     if (what_.logs[id]) add_log(json, r.ray, *what_.logs[id]);
     return json;
   }
@@ -133,6 +137,35 @@ class JsonTree {
                             {"cosine2_behind", plain(s.cosine2_behind)},
                             {"reflectance", json_or_null(s.reflectance)}};
     }
+    return json;
+  }
+
+  Json surface_of_path(const ExplainedRay& r) const {
+    const ExplainedRay::Surface& s = *r.surface;
+    return {{"point", json_of(place(s.point))},         {"normal", json_of(s.normal)},
+            {"geometric_normal", json_of(s.geometric)}, {"material", s.material},
+            {"diffuse", json_of(r.bounce->diffuse)},    {"metal", json_of(r.bounce->mirror)},
+            {"dielectric", json_of(r.bounce->coat)},    {"glass", plain(r.bounce->glass)},
+            {"roughness", plain(r.bounce->roughness)},  {"radiance", json_of(s.radiance)}};
+  }
+  static Json bounce(const ExplainedRay::Bounce& b) {
+    Json json{{"transmittance", json_of(b.transmittance)},
+              {"emission", json_of(b.emission)},
+              {"emission_density", plain(b.emission_density)},
+              {"emission_weight", plain(b.emission_weight)},
+              {"density", plain(b.density)},
+              {"weight", json_of(b.weight)},
+              {"chance", plain(b.chance)},
+              {"light", nullptr}};
+    if (!b.light.empty())
+      json["light"] = {{"name", b.light},
+                       {"probability", plain(b.light_probability)},
+                       {"density", plain(b.light_density)},
+                       {"radiance", json_of(b.light_radiance)},
+                       {"bsdf_cosine", json_of(b.light_bsdf)},
+                       {"bsdf_density", plain(b.light_bsdf_density)},
+                       {"weight", plain(b.light_weight)},
+                       {"adds", json_of(b.direct)}};
     return json;
   }
 

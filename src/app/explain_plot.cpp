@@ -251,13 +251,12 @@ class Drawing {
     const ExplainedRay& r = what_.sample.rays[i];
     if (r.kind == Kind::shadow) {
       const TraceLog::Test* const by = r.occluded ? stopper(what_.logs[i]) : nullptr;
-      if (by)
-        return fmt::format("light {} is behind {}", r.light,
-                           name_of(what_.accel.geometry(), by->primitive));
-      const Vec3d light = r.diffuse + r.highlight;
-      return r.occluded ? fmt::format("light {} is hidden", r.light)
-                        : fmt::format("light {}: {:.3f} {:.3f} {:.3f}", r.light, light.x, light.y,
-                                      light.z);
+      const auto& bounce = what_.sample.rays[size_t(r.parent)].bounce;
+      const std::string name = "light " + light_name(what_.sample, r);
+      if (by) return name + " is behind " + name_of(what_.accel.geometry(), by->primitive);
+      const Vec3d light = bounce ? Vec3d(bounce->direct) : r.diffuse + r.highlight;
+      return name + (r.occluded ? " is hidden"
+                                : fmt::format(": {:.3f} {:.3f} {:.3f}", light.x, light.y, light.z));
     }
     const std::string hit =
         !r.traced       ? "beyond the last level"

@@ -177,7 +177,7 @@ class NoiseFilter {
     std::array<Terms, 3> colors{};
     Rgb least = p.color, most = p.color;
     for_window(i, kWindow, [&](const FilterPixel& q, int dx, int dy) {
-      const float weight = weights[size_t((dy + kWindow) * kSide + dx + kWindow)] * q.weight;
+      const float weight = weights[size_t(dy + kWindow) * kSide + size_t(dx + kWindow)] * q.weight;
       if (!(weight > 0)) return;
       const Terms t = terms(p, q, dx, dy);
       for (size_t row = 0; row < kTerms; ++row)

@@ -8,8 +8,11 @@
 #include <unordered_map>
 #include <utility>
 
+#include "integrate/bsdf-inl.h"
 #include "integrate/classic.h"
 #include "integrate/optics-inl.h"
+#include "integrate/path.h"
+#include "integrate/path_scene.h"
 #include "integrate/shadings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -70,10 +73,10 @@ class RayRecorder final : public Recorder {
     const PathRays& current = w.rays();
     for (size_t i = 0; recording_ && i < current.rays.size(); ++i) {
       const uint32_t branch = current.branch[i];
+      const int parent = level == 1 ? -1 : find(branch / 2);
       places_[branch] = int(out_.rays.size());
-      ExplainedRay& r =
-          add(level == 1 ? Kind::eye : child_kind(branch % 2), level == 1 ? -1 : find(branch / 2),
-              current.rays[i], lane(current.weights(i / kWidth * kWidth), i % kWidth));
+      ExplainedRay& r = add(kind_of(parent, branch % 2, current.rays[i]), parent, current.rays[i],
+                            lane(current.weights(i / kWidth * kWidth), i % kWidth));
       r.hit = w.hits()[i];
       if (!r.hit.found()) set_background(r, w);
     }
@@ -111,8 +114,9 @@ class RayRecorder final : public Recorder {
                      .ray = rays[i],
                      .occluded = hidden[i] != 0,
                      .weight = from.weight};
-      r.lit = light_numbers(settings_, element(w.points().normal, i), r.ray.dir, from.ray.dir,
-                            w.points().shine.at[i]);
+      if (!from.bounce)
+        r.lit = light_numbers(settings_, element(w.points().normal, i), r.ray.dir, from.ray.dir,
+                              w.points().shine.at[i]);
       shadow_of_[i] = int(out_.rays.size());
       out_.rays.push_back(r);
     }
@@ -126,6 +130,47 @@ class RayRecorder final : public Recorder {
       r.diffuse = Vec3d(lane(diffuse, i - first));
       // Exact, so that the two add up to the surface's float.
       r.highlight = Vec3d(lane(both, i - first)) - r.diffuse;
+    }
+  }
+
+  void bounced(const Wavefront& w, size_t first, size_t n, const PathLights::Choice* lights,
+               const Bounce& b) override {
+    for (size_t k = 0; recording_ && k < kWidth && first + k < n; ++k) {
+      ExplainedRay& r = out_.rays[size_t(find(w.rays().branch[first + k]))];
+      r.bounce = ExplainedRay::Bounce{.diffuse = lane(b.lobes.diffuse, k),
+                                      .mirror = lane(b.lobes.mirror, k),
+                                      .coat = lane(b.lobes.coat, k),
+                                      .glass = lane(b.lobes.glass, k),
+                                      .roughness = lane(b.lobes.roughness, k),
+                                      .transmittance = lane(b.transmittance, k),
+                                      .emission = lane(b.emission, k),
+                                      .emission_weight = lane(b.emission_weight, k),
+                                      .emission_density = lane(b.emission_density, k),
+                                      .density = lane(b.density, k),
+                                      .weight = lane(b.weight, k),
+                                      .chance = lane(b.chance, k)};
+      normals_[first + k] = lane(b.normal, k);
+      if (lane(b.light_weight, k) == 0) continue;
+      r.bounce->light = name_of(w, lights[k]);
+      r.bounce->light_probability = lights[k].probability;
+      r.bounce->light_density = lane(b.light_density, k);
+      r.bounce->light_radiance = lane(b.light, k);
+      r.bounce->light_bsdf = lane(b.light_bsdf, k);
+      r.bounce->light_bsdf_density = lane(b.light_bsdf_density, k);
+      r.bounce->light_weight = lane(b.light_weight, k);
+      r.bounce->direct = lane(b.direct, k);
+    }
+  }
+
+  void escaped(const Wavefront& w, size_t first, M mask, const V3& light, V density,
+               V weight) override {
+    const V chosen = hn::IfThenElseZero(mask, hn::Set(d, 1));
+    for (size_t k = 0; recording_ && k < kWidth; ++k) {
+      if (lane(chosen, k) == 0) continue;
+      ExplainedRay& r = out_.rays[size_t(find(w.rays().branch[first + k]))];
+      r.background = lane(light, k);
+      r.escape = {lane(density, k), lane(weight, k)};
+      r.adds = unscaled(w.sums().fixed(lane(light * weight, k) * r.weight));
     }
   }
 
@@ -150,7 +195,10 @@ class RayRecorder final : public Recorder {
         r.surface->gloss = settings_.gloss.value_or(v.roughness.at[i]);
         r.surface->translucency = settings_.translucency.value_or(v.roughness.at[i]);
       }
-      add_optics(settings_, r.ray.dir, *r.surface);
+      if (r.bounce)
+        r.surface->normal = normals_[i];
+      else
+        add_optics(settings_, r.ray.dir, *r.surface);
       r.adds = unscaled(w.sums().fixed(element(v.radiance, i) * r.weight));
     }
   }
@@ -168,6 +216,28 @@ class RayRecorder final : public Recorder {
     return out_.rays.back();
   }
   static Kind child_kind(uint32_t side) { return side ? Kind::refraction : Kind::reflection; }
+  Kind kind_of(int parent, uint32_t side, const Ray& ray) const {
+    if (parent < 0) return Kind::eye;
+    const ExplainedRay& from = out_.rays[size_t(parent)];
+    return child_kind(from.bounce ? dot(ray.dir, from.surface->geometric) < 0 : side);
+  }
+  static std::string name_of(const Wavefront& w, const PathLights::Choice& light) {
+    using Its = PathLights::Choice::Kind;
+    const PathLights& lights = w.scene().path->lights;
+    switch (light.kind) {
+      case Its::near:
+        return fmt::format("{}", light.index);
+      case Its::triangle:
+        return fmt::format("triangle {}", lights.triangles()[light.index].triangle);
+      case Its::distant:
+        return fmt::format("{} of the distant ones", light.index);
+      case Its::environment:
+        return "environment";
+      case Its::none:
+        break;
+    }
+    return {};
+  }
   void set_background(ExplainedRay& r, const Wavefront& w) const {
     const auto [light, sums] = w.escaped_light(r.ray.dir, r.weight);
     r.background = light, r.adds = unscaled(sums);
@@ -184,6 +254,7 @@ class RayRecorder final : public Recorder {
   bool recording_ = false;
   std::unordered_map<uint32_t, int> places_;  // index of rays by branch
   std::vector<int> shadow_of_;                // by current ray; -1: none
+  std::array<Vec3f, kChunk> normals_;         // of bounces
 };
 
 }  // namespace
@@ -193,15 +264,16 @@ std::optional<Explanation> explain(const Scene& scene, const Accel& accel, Rende
   settings.crop = Crop{x, y, x + 1, y + 1};
   settings.channels = {};
   const PreparedScene prepared(scene, accel, settings);
-  Film film(1, 1, classic_bound(scene, settings));
+  const bool is_path = settings.integrator == IntegratorKind::path;
+  Film film(1, 1, is_path ? path_bound(scene, settings) : classic_bound(scene, settings));
   Explanation out;
-  out.ambient = ambient_factor(scene, settings);
+  out.ambient = is_path ? 0 : ambient_factor(scene, settings);
   out.unit = 1 / film.scale();
-  out.lights = prepared.emitters;
+  if (!is_path) out.lights = prepared.emitters;
   WorkControl control;
-  RayRecorder recorder(settings, sample, needs_models(scene, settings), control, out);
-  Wavefront(prepared, control, make_classic_shading(prepared), &recorder)
-      .render(0, {sample, sample + 1}, film);
+  RayRecorder recorder(settings, sample, !is_path && needs_models(scene, settings), control, out);
+  auto shading = is_path ? make_path_shading(prepared) : make_classic_shading(prepared);
+  Wavefront(prepared, control, std::move(shading), &recorder).render(0, {sample, sample + 1}, film);
   if (control.stop) return std::nullopt;
   out.counts = film.rays();
   for (const ExplainedRay& r : out.rays) out.rgb = out.rgb + r.adds;
@@ -219,13 +291,13 @@ std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel
   const auto refuse = [](std::string_view option, std::string message) {
     return std::unexpected(bad_option(option, std::move(message)));
   };
-  if (lights_from_all_sides(settings.integrator))
-    return refuse(
-        "integrator",
-        fmt::format("the rays of `integrator` {} cannot be explained; give `integrator` classic",
-                    kIntegratorNames[size_t(settings.integrator)]));
+  if (settings.integrator == IntegratorKind::ambient)
+    return refuse("integrator",
+                  "the rays of `integrator` ambient cannot be explained; give classic or path");
   if (accel.geometry().any_transparent())
     return refuse("", "rays through surfaces of an opacity below 1 cannot be explained yet");
+  if (scene.has_cutouts())
+    return refuse("", "rays through the alpha of textures cannot be explained yet");
   auto out = HWY_NAMESPACE::explain(scene, accel, settings, x, y, sample);
   if (out) return std::move(*out);
   return std::unexpected(Error{ErrorKind::no_resource, "",

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/error.h"
@@ -44,6 +45,38 @@ struct ExplainedRay {
     float power = 0;   // max(0, cosine)^shine
   };
 
+  // Of a surface on a path. Densities are per solid angle, 0 for directions without one; weights of
+  // light are those of multiple importance sampling.
+  struct Bounce {
+    Rgb diffuse, mirror, coat;  // albedo, reflectances of metal and of a dielectric
+    float glass = 0;            // the part that reflects and refracts like glass
+    float roughness = 0;
+    Rgb transmittance{1};  // of the medium that the ray has crossed
+    Rgb emission{};
+    float emission_weight = 0;
+    float emission_density = 0;  // with which the sampling of lights finds this point; 0: it cannot
+
+    // The sampled light: "triangle 12", "environment", "0", "0 of the distant ones". Empty: none.
+    std::string light{};
+    float light_probability = 0;  // of choosing it
+    float light_density = 0;      // of the direction, times this probability; 0: only this finds it
+    Rgb light_radiance{};         // divided by the density; without one, by the probability
+    Rgb light_bsdf{};             // BSDF times cosine
+    float light_bsdf_density = 0;  // with which the surface chooses the direction
+    float light_weight = 0;
+    Rgb direct{};  // added to the surface's radiance unless the light is occluded
+
+    // The next ray: its weight is divided by the chance that the path goes on.
+    float density = 0;
+    Rgb weight{};
+    float chance = 1;
+  };
+  // Of the light that surrounds the scene, seen by a path's ray.
+  struct Escape {
+    float light_density = 0;  // with which the sampling of lights finds it
+    float weight = 1;
+  };
+
   Kind kind = Kind::eye;
   int parent = -1;  // the ray that spawned it, as an index in Explanation::rays
   int level = 1;
@@ -55,9 +88,12 @@ struct ExplainedRay {
   Rgb weight{};           // in the pixel
   std::optional<Surface> surface{};
   std::optional<Light> lit{};
+  std::optional<Bounce> bounce{};
+  std::optional<Escape> escape{};
 
   // Radiance. That of a surface is float(float(ambient + light 0) + light 1) ..., where a light is
-  // float(diffuse + highlight) of its shadow ray, if unoccluded.
+  // float(diffuse + highlight) of its shadow ray, if unoccluded. On a path it is transmittance
+  // (emission emission_weight) + direct, and `background` is multiplied by Escape::weight.
   Rgb ambient{}, background{};
   Vec3d diffuse{}, highlight{};
   // For all except shadow rays, which are part of the surface's sum: what the ray adds to the
@@ -77,8 +113,9 @@ struct Explanation {
 /// The maximum number of rays recorded.
 inline constexpr size_t kMaxExplainedRays = 100000;
 
-/// Renders sample `sample` of the pixel at (x, y) of the whole picture with the classic shading.
-/// The error (no_resource): more rays.
+/// Renders sample `sample` of the pixel at (x, y) of the whole picture with the integrators
+/// `classic` and `path`. Errors: others, transparent primitives and cutouts (bad_option); more rays
+/// (no_resource).
 std::expected<Explanation, Error> explain_sample(const Scene& scene, const Accel& accel,
                                                  const RenderSettings& settings, int x, int y,
                                                  uint32_t sample);

@@ -86,15 +86,16 @@ class PathShading final : public Shading {
           hn::RebindMask(d, hn::Eq(load(w.hits().primitive, i), hn::Set(du, kNoPrimitive))));
       if (hn::AllFalse(d, missed)) continue;
       const V3 dir = directions(rays.rays, i);
-      V3 light = surrounding(dir);
+      const V3 light = surrounding(dir);
+      V other = hn::Zero(d), weight = hn::Set(d, 1);
       if (environment_sampler_) {
         const V density = rays.densities(i);
-        const V other = hn::Mul(environment_sampler_->density(dir),
-                                hn::Set(d, lights_.environment_probability()));
-        const M found = hn::Gt(density, hn::Zero(d));
-        light = light * hn::IfThenElse(found, balance(density, other), hn::Set(d, 1));
+        other = hn::Mul(environment_sampler_->density(dir),
+                        hn::Set(d, lights_.environment_probability()));
+        weight = hn::IfThenElse(hn::Gt(density, hn::Zero(d)), balance(density, other), weight);
       }
-      w.sums().add(light * rays.weights(i), &rays.pixel[i], missed);
+      if (w.recorder()) w.recorder()->escaped(w, i, missed, light, other, weight);
+      w.sums().add(light * weight * rays.weights(i), &rays.pixel[i], missed);
     }
     return true;
   }
@@ -114,8 +115,9 @@ class PathShading final : public Shading {
       const M tilted = hn::Ge(dot(normal, dir), hn::Set(d, -1e-4f));
       normal = select(tilted, geometric, normal);
       const V3 inside = transmittance(w, materials, i);
-      store(inside * emission(w, materials, i, in), v.radiance, i);
-      if (!goes_on) continue;
+      const Emitted emitted = emission(w, materials, i, in);
+      store(inside * (emitted.radiance * emitted.weight), v.radiance, i);
+      if (!goes_on && !w.recorder()) continue;
       const WideFrame frame(normal);
       const V3 to_eye = -dir;
       const V3 out = {dot(to_eye, frame.u), dot(to_eye, frame.v),
@@ -123,15 +125,18 @@ class PathShading final : public Shading {
       const Lobes lobes = lobes_of(w, materials, i, side);
       const Bsdf bsdf(lobes, out, path_.energy);
       const U place = w.place_of(load(w.rays().pixel, i)), branch = load(w.rays().branch, i);
+      LightRays light{};
+      BsdfValue value{};
+      V light_weight = hn::Zero(d);
       if (samples_lights) {
-        const LightRays light = sample_lights(w, i, n, sampler, place, branch);
+        light = sample_lights(w, i, n, sampler, place, branch);
         const V3 local = {dot(light.dir, frame.u), dot(light.dir, frame.v), dot(light.dir, normal)};
-        const BsdfValue value = bsdf.evaluate(local);
+        value = bsdf.evaluate(local);
         const V across = dot(light.dir, geometric), zero = hn::Zero(d);
         const M sound = hn::Gt(hn::Mul(across, local.z), zero);
-        const V weight =
+        light_weight =
             hn::IfThenElse(hn::Gt(light.pdf, zero), balance(light.pdf, value.pdf), hn::Set(d, 1));
-        const V3 part = inside * value.value * light.radiance * weight;
+        const V3 part = inside * value.value * light.radiance * light_weight;
         const M lit = hn::And(hn::And(in, sound), hn::Gt(largest(part), zero));
         store(part, direct_, i);
         put_ray(shadows, i, start(v, i, geometric, across), light.dir, light.length, lit);
@@ -146,6 +151,23 @@ class PathShading final : public Shading {
       const V chance = level < kFirstRoulette
                            ? hn::Set(d, 1)
                            : hn::Min(largest(w.rays().weights(i) * weight), hn::Set(d, 0.95f));
+      if (w.recorder())
+        w.recorder()->bounced(w, i, n, choices_,
+                              {.normal = normal,
+                               .lobes = lobes,
+                               .transmittance = inside,
+                               .emission = emitted.radiance,
+                               .emission_density = emitted.density,
+                               .emission_weight = emitted.weight,
+                               .light = light.radiance,
+                               .light_density = light.pdf,
+                               .light_bsdf = value.value,
+                               .light_bsdf_density = value.pdf,
+                               .light_weight = light_weight,
+                               .direct = load(direct_, i),
+                               .density = next.pdf,
+                               .weight = weight,
+                               .chance = chance});
       const M survives = hn::Lt(choice.y, chance);
       weight = weight * hn::Div(hn::Set(d, 1), hn::Max(chance, hn::Set(d, 1e-20f)));
       // A smooth normal can send the ray through the surface that it should leave.
@@ -155,12 +177,11 @@ class PathShading final : public Shading {
       store(world, dir_, i), store(weight, weight_, i), store(next.pdf, pdf_, i);
       store(start(v, i, geometric, across), origin_, i);
       store(hn::IfThenElse(continues, across, hn::Zero(d)), across_, i);
-      if (path_.any_alpha)
-        pass_through(w, materials, i, n, inside, sampler.in_unit(place, branch, kAlpha));
     }
-    if (samples_lights)
-      add_lit(w, n, sampler, kSkyDepth,
-              [&](size_t i, V lit) HWY_ATTR { return load(direct_, i) * lit; });
+    if (!samples_lights) return;
+    const uint8_t* const hidden = add_lit(
+        w, n, sampler, kSkyDepth, [&](size_t i, V lit) HWY_ATTR { return load(direct_, i) * lit; });
+    if (hidden && w.recorder()) w.recorder()->shadow_rays(w, hidden, 0, n);
   }
 
   void spawn(Wavefront& w, int level, size_t n) override {
@@ -207,7 +228,7 @@ class PathShading final : public Shading {
 
   // The transmittance of the medium along the rays, by the law of Bouguer and Beer. A ray that hits
   // a surface from inside has crossed its medium.
-  HWY_INLINE V3 transmittance(const Wavefront& w, const Materials& materials, size_t i) const {
+  static HWY_INLINE V3 transmittance(const Wavefront& w, const Materials& materials, size_t i) {
     const V per_distance = materials.number(&PathMaterial::per_attenuation_distance);
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
     const M inside = hn::And(hn::Lt(load(w.points().side, i), zero), hn::Gt(per_distance, zero));
@@ -255,15 +276,21 @@ class PathShading final : public Shading {
     }
   }
 
-  // The emitted radiance towards the rays, weighted against the sampling of lights.
-  HWY_INLINE V3 emission(const Wavefront& w, const Materials& materials, size_t i, M in) const {
+  // The emitted radiance towards the rays, the density with which the sampling of lights finds it,
+  // and its weight against that.
+  struct Emitted {
+    V3 radiance;
+    V density, weight;
+  };
+  HWY_INLINE Emitted emission(const Wavefront& w, const Materials& materials, size_t i,
+                              M in) const {
     V3 light = materials.color(&PathMaterial::emission);
     const V zero = hn::Zero(d);
     const M front = hn::Or(hn::Gt(load(w.points().side, i), zero),
                            hn::Gt(materials.number(&PathMaterial::is_two_sided), zero));
     const M shines = hn::And(hn::And(in, front), hn::Gt(largest(light), zero));
-    if (hn::AllFalse(d, shines)) return set3(d, Rgb());
-    HWY_ALIGN float share[kWidth], bits[3][kWidth];
+    if (hn::AllFalse(d, shines)) return {set3(d, Rgb()), zero, zero};
+    HWY_ALIGN float share[kWidth], others[kWidth] = {}, bits[3][kWidth];
     hn::Store(hn::IfThenElseZero(shines, hn::Set(d, 1)), d, share);
     hn::Store(light.x, d, bits[0]), hn::Store(light.y, d, bits[1]), hn::Store(light.z, d, bits[2]);
     for (size_t k = 0; k < kWidth; ++k) {
@@ -282,45 +309,17 @@ class PathShading final : public Shading {
       const TriangleLight& t = lights_.triangles()[*triangle];
       const float other = lights_.triangle_probability(ray.origin, Vec3f(), *triangle) *
                           density_of(t, ray.dir, hit.t);
-      share[k] = density / (density + other);
+      share[k] = density / (density + other), others[k] = other;
     }
-    return V3{hn::Load(d, bits[0]), hn::Load(d, bits[1]), hn::Load(d, bits[2])} *
-           hn::Load(d, share);
+    return {{hn::Load(d, bits[0]), hn::Load(d, bits[1]), hn::Load(d, bits[2])},
+            hn::Load(d, others),
+            hn::Load(d, share)};
   }
 
   // Per solid angle, of a point of the triangle that is sampled evenly by area.
   static float density_of(const TriangleLight& t, Vec3f dir, float distance) {
     const float cosine = std::abs(dot(dir, t.normal));
     return cosine > 0 ? distance * distance / (cosine * t.area) : 0;
-  }
-
-  // Rays that pass the alpha of a texture go straight on, without shading. Shadow rays do not pass,
-  // so what is behind is only found by the path: the density is 0.
-  void pass_through(Wavefront& w, const Materials& materials, size_t i, size_t n, const V3& inside,
-                    V choice) {
-    SurfacePoints& v = w.points();
-    HWY_ALIGN float u[kWidth], left[3][kWidth];
-    hn::Store(choice, d, u);
-    hn::Store(inside.x, d, left[0]), hn::Store(inside.y, d, left[1]);
-    hn::Store(inside.z, d, left[2]);
-    for (size_t k = 0; k < std::min(kWidth, n - i); ++k) {
-      const PathMaterial& m = materials[k];
-      if (m.alpha_texture == kNoTexture) continue;
-      const size_t at = i + k;
-      const float alpha = texture_at(w, at, m.alpha_texture, [](auto&&... place) {
-                            return Rgb(texture_alpha(place...));
-                          }).x;
-      if (m.alpha_cutoff < 0 ? u[k] < alpha : alpha >= m.alpha_cutoff) continue;
-      const auto vector = [&](const Floats3& f) {
-        return Vec3f(f.x.at[at], f.y.at[at], f.z.at[at]);
-      };
-      dir_.set(at, w.rays().rays[at].dir);
-      origin_.set(at, offset_origin(vector(v.point), vector(v.geometric), v.scale.at[at], false));
-      weight_.set(at, {left[0][k], left[1][k], left[2][k]});
-      pdf_.at[at] = 0, across_.at[at] = -1;
-      w.shadow_rays().tmax[at] = -1;
-      v.radiance.set(at, {});
-    }
   }
 
   Lobes lobes_of(const Wavefront& w, const Materials& materials, size_t i, V side) const {
@@ -380,38 +379,37 @@ class PathShading final : public Shading {
 
   // One light for each of rays i, i + 1, ...
   LightRays sample_lights(const Wavefront& w, size_t i, size_t n, const WideSampler<D>& sampler,
-                          U place, U branch) const {
+                          U place, U branch) {
     using Kind = PathLights::Choice::Kind;
     const SurfacePoints& v = w.points();
     const V3 from = load(v.outside, i);
     const Wide2<D> square = sampler.in_square(place, branch, kLightPoint);
     HWY_ALIGN float u[kWidth], probability[kWidth] = {};
     hn::Store(sampler.in_unit(place, branch, kLightChoice), d, u);
-    PathLights::Choice choices[kWidth];
     const size_t lanes = std::min(kWidth, n - i);
     for (size_t k = 0; k < lanes; ++k) {
       const Vec3f point(v.outside.x.at[i + k], v.outside.y.at[i + k], v.outside.z.at[i + k]);
-      choices[k] = lights_.choose(point, Vec3f(), u[k]);
-      probability[k] = choices[k].probability;
+      choices_[k] = lights_.choose(point, Vec3f(), u[k]);
+      probability[k] = choices_[k].probability;
     }
     LightRays all{set3(d, Vec3f(0, 0, 1)), set3(d, Rgb()), hn::Zero(d), hn::Zero(d)};
     const V chosen = hn::Load(d, probability);
     // Lanes with the same light are sampled together.
     uint32_t left = (1u << lanes) - 1;
     while (left) {
-      const PathLights::Choice& first = choices[std::countr_zero(left)];
+      const PathLights::Choice& first = choices_[std::countr_zero(left)];
       HWY_ALIGN uint32_t same[kWidth] = {};
       uint32_t taken = 0;
       const bool is_triangle = first.kind == Kind::triangle;
       for (size_t k = 0; k < lanes; ++k)
-        if ((left >> k & 1) && choices[k].kind == first.kind &&
-            (is_triangle || choices[k].index == first.index))
+        if ((left >> k & 1) && choices_[k].kind == first.kind &&
+            (is_triangle || choices_[k].index == first.index))
           same[k] = ~0u, taken |= 1u << k;
       left &= ~taken;
       if (first.kind == Kind::none) continue;
       const M mask = hn::RebindMask(d, hn::Ne(hn::Load(du, same), hn::Zero(du)));
       const LightRays some = first.kind == Kind::environment ? to_environment(square, chosen)
-                             : is_triangle ? to_triangles(choices, taken, from, square, chosen)
+                             : is_triangle ? to_triangles(choices_, taken, from, square, chosen)
                                            : to_light(first, from, square, chosen);
       all.dir = select(mask, some.dir, all.dir);
       all.radiance = select(mask, some.radiance, all.radiance);
@@ -457,11 +455,16 @@ class PathShading final : public Shading {
       for (size_t j = 0; j < kVectors; ++j)
         for (size_t c = 0; c < 3; ++c) at[j][c][k] = (*vectors[j])[int(c)];
       area[k] = t.area, two_sided[k] = t.is_two_sided;
-      if (t.emission_texture == kNoTexture) continue;
-      const Rgb texel =
-          texture_color(scene_.scene, t.emission_texture,
-                        texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]));
-      for (size_t c = 0; c < 3; ++c) at[kEmission][c][k] *= texel[int(c)];
+      const bool is_textured = t.emission_texture != kNoTexture;
+      const MaterialId material = t.geometry->facet(t.triangle).material;
+      const bool is_cut = scene_.scene.has_cutouts(material);
+      if (!is_textured && !is_cut) continue;
+      const Uv uv = texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]);
+      Rgb part(1);
+      if (is_textured) part = texture_color(scene_.scene, t.emission_texture, uv);
+      if (is_cut)
+        part = part * opacity_at(scene_.scene, material, uv, scene_.settings.accel.opacity);
+      for (size_t c = 0; c < 3; ++c) at[kEmission][c][k] *= part[int(c)];
     }
     const auto vector = [&](size_t j) HWY_ATTR {
       return V3{hn::Load(d, at[j][0]), hn::Load(d, at[j][1]), hn::Load(d, at[j][2])};
@@ -485,6 +488,7 @@ class PathShading final : public Shading {
   const PathLights& lights_;
   std::optional<EnvironmentLight> environment_;
   std::optional<EnvironmentSampler> environment_sampler_;
+  PathLights::Choice choices_[kWidth];  // of lights, for some of the current rays
   // Of the current rays: the light of shadow rays, and their children. `across`: the cosine with
   // the geometric normal; 0: none.
   Floats3 direct_, origin_, dir_, weight_;

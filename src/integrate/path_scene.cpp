@@ -29,7 +29,7 @@ PathMaterial mapped(const Material& m, Rgb specular, float roughness) {
   return out;
 }
 
-PathMaterial mapped(const Material& m, const StandardSurface& s, uint32_t base_texture) {
+PathMaterial mapped(const Material& m, const StandardSurface& s) {
   PathMaterial out;
   out.metallic = s.metallic, out.roughness = s.roughness;
   out.specular = s.specular_color * s.specular;
@@ -46,8 +46,6 @@ PathMaterial mapped(const Material& m, const StandardSurface& s, uint32_t base_t
   out.metallic_roughness_texture = s.metallic_roughness_texture;
   out.normal_texture = s.normal_texture, out.emission_texture = s.emission_texture;
   out.transmission_texture = s.transmission_texture;
-  if (s.alpha_mode != AlphaMode::opaque) out.alpha_texture = base_texture;
-  if (s.alpha_mode == AlphaMode::mask) out.alpha_cutoff = s.alpha_cutoff;
   return out;
 }
 
@@ -96,6 +94,7 @@ PathLights::PathLights(const Scene& scene, const Geometry& geometry,
     if (environment_->is_black()) environment_.reset();
   }
   std::vector<LightBounds> bounds;
+  bounds.reserve(near_.size() + triangles_.size());
   for (const SampledLight& light : near_) bounds.push_back(bounds_of(light));
   for (const TriangleLight& light : triangles_) bounds.push_back(bounds_of(light));
   if (!bounds.empty()) tree_.emplace(bounds);
@@ -122,7 +121,10 @@ void PathLights::add_triangles(const Geometry& geometry, const std::vector<Place
     light.corner = Vec3f(a), light.edge1 = Vec3f(b - a), light.edge2 = Vec3f(c - a);
     light.normal = Vec3f(normal);
     light.area = float(length(cross(b - a, c - a)) / 2);
-    light.emission = surface->emission, light.is_two_sided = float(surface->is_two_sided);
+    // Transparent triangles emit where they stop rays.
+    const uint32_t depth = geometry.depth_of(PrimitiveKind::triangle, i);
+    light.emission = surface->emission * (depth == kOpaque ? 1 : 1 - passed(depth));
+    light.is_two_sided = float(surface->is_two_sided);
     light.triangle = i, light.geometry = &geometry;
     light.emission_texture = surface->emission_texture;
     if (!(light.area > 0)) continue;
@@ -173,13 +175,12 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
   for (MaterialId id = 0; id < scene.materials.size(); ++id) {
     const StandardSurface* const surface = scene.standard_surface_of(id);
     const Material& m = scene.materials[id];
-    PathMaterial out = surface ? mapped(m, *surface, scene.texture_of(id))
-                               : mapped(m, scene.specular_of(id), scene.roughness_of(id));
+    PathMaterial out =
+        surface ? mapped(m, *surface) : mapped(m, scene.specular_of(id), scene.roughness_of(id));
     any_textures |=
         surface && (out.metallic_roughness_texture != kNoTexture ||
                     out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
     any_normal_maps |= out.normal_texture != kNoTexture;
-    any_alpha |= out.alpha_texture != kNoTexture;
     out.conductor = energy.conductor();
     const bool is_metal = out.metallic == 1 && out.metallic_roughness_texture == kNoTexture;
     const bool has_interface = out.transmission > 0 || max_component(out.specular) > 0;

@@ -29,8 +29,6 @@ struct PathMaterial {
   float is_two_sided = 1;
   float normal_scale = 1;
   uint32_t conductor = 0, reflection = 0, entering = 0, leaving = 0;  // EnergyTables
-  float alpha_cutoff = -1;              // of a texture's alpha; -1: it is an opacity
-  uint32_t alpha_texture = kNoTexture;  // or kNoTexture: opaque
   uint32_t metallic_roughness_texture = kNoTexture, normal_texture = kNoTexture,
            emission_texture = kNoTexture, transmission_texture = kNoTexture;
 };
@@ -99,7 +97,6 @@ struct PathScene {
   PathLights lights;
   bool any_textures = false;  // besides those of base colours and normals
   bool any_normal_maps = false;
-  bool any_alpha = false;  // of textures
 };
 
 }  // namespace raio::core

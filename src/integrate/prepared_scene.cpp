@@ -6,6 +6,7 @@
 
 #include "integrate/classic.h"
 #include "integrate/path_scene.h"
+#include "integrate/pixel_filter.h"
 #include "scene/enclosing.h"
 
 namespace raio::core {
@@ -17,6 +18,7 @@ PreparedScene::PreparedScene(const Scene& s, const Accel& a, const RenderSetting
       eye(r.camera, r.width, r.height, r.angle_to_centers),
       forward(normalize(r.camera.at - r.camera.from)),
       sampler(r) {
+  if (r.filter == PixelFilter::blackman_harris) filter_places = core::filter_places().data();
   if (r.figure.depth_cue > 0) measure_depth();
   if (r.figure.shadow_catcher) lay_floor();
   if (r.figure.key_light == KeyLight::scene) lights = sampled_lights(s, r.camera);

@@ -38,6 +38,7 @@ struct PreparedScene {
   Vec3f floor_normal;
   float floor_height = 0, floor_distance = 0;
   Sampler sampler;
+  const float* filter_places = nullptr;  // null: the box
   std::vector<Emitter> emitters;
   std::vector<SampledLight> lights;       // of figures with KeyLight::scene
   std::unique_ptr<const PathScene> path;  // of the integrator `path`

@@ -23,7 +23,7 @@
 //   kLobe        bounce of a path      the lobe of the surface, and whether the path ends
 //   kLightChoice  bounce of a path     which light it samples, in_unit()
 //   kLightPoint  bounce of a path      the point on this light
-//   kAlpha       bounce of a path      whether it passes a texture's alpha, in_unit()
+//   kAlpha       place in ray tree     whether it passes a texture's alpha, in_unit()
 //
 // A pixel is identified by its column plus 65536 times its row. A group of pixels
 // (integrate/screen_keys.h) further down or to the right has a random identity.

@@ -22,6 +22,10 @@ namespace raio::core {
 /// jittered in equal cells, one per sample; or by Sobol's sequence, which is even for any number.
 enum class SamplerKind { jitter, sobol };
 
+/// How a pixel weighs the light around its centre: evenly within its square, or by a smooth window
+/// of 3 x 3 pixels (integrate/pixel_filter.h).
+enum class PixelFilter { box, blackman_harris };
+
 /// What the integrator `views` shows; `samples`: the number of samples per pixel.
 enum class View { picture, normals, depth, ids, materials, steps, tests, focus, samples };
 inline constexpr int kViews = 9;
@@ -110,6 +114,7 @@ struct RenderSettings : PlainOptions {
   float preview_scale = 1;  // its sides relative to those of the picture that View::focus judges
   Camera camera;            // coordinates relative to the scene's origin
   SamplerKind sampler = SamplerKind::jitter;
+  PixelFilter filter = PixelFilter::box;
   bool dof = false;
   ShadingModel shading = ShadingModel::nff;
   Fresnel fresnel = Fresnel::none;

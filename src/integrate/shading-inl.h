@@ -35,16 +35,17 @@ HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& di
 }
 
 // Traces the wavefront's shadow rays and adds light(i, the unoccluded share) to the radiance.
+// Returns which are occluded; null if there are none.
 template <class Light>
-void add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose depth,
-             const Light& light) {
+const uint8_t* add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose depth,
+                       const Light& light) {
   SurfacePoints& v = w.points();
   const RayBatch& rays = w.shadow_rays();
   const V zero = hn::Zero(d);
   size_t asked = 0;
   for (size_t i = 0; i < n; i += kWidth)
     asked += hn::CountTrue(d, hn::And(hn::FirstN(d, n - i), hn::Gt(load(rays.tmax, i), zero)));
-  if (asked == 0) return;
+  if (asked == 0) return nullptr;
   w.counts().shadow += asked;
   const uint8_t* const hidden = w.occluded(sampler, depth);
   for (size_t i = 0; i < n; i += kWidth) {
@@ -57,6 +58,7 @@ void add_lit(Wavefront& w, size_t n, const WideSampler<D>& sampler, Purpose dept
     const V3 sum = load(v.radiance, i) + light(i, hn::IfThenElseZero(seen, share));
     store(select(seen, sum, load(v.radiance, i)), v.radiance, i);
   }
+  return hidden;
 }
 
 }  // namespace raio::core::HWY_NAMESPACE

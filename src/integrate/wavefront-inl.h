@@ -20,6 +20,7 @@
 
 #include "base/executor.h"
 #include "integrate/costs-inl.h"
+#include "integrate/path_scene.h"
 #include "integrate/pixels-inl.h"
 #include "integrate/prepared_scene.h"
 #include "integrate/surfaces-inl.h"
@@ -27,9 +28,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
+class Cutouts;
 class Features;
 class Transparency;
 class Wavefront;
+struct Lobes;
 
 // The integrator's part of the wavefront. Each thread has its own, so it may have buffers.
 class Shading {
@@ -83,6 +86,30 @@ class Recorder {
   virtual void shadow_rays(const Wavefront&, const uint8_t* occluded, size_t light, size_t n) = 0;
   // The light's contribution to current rays i, i + 1, ...
   virtual void lit(size_t i, size_t n, const V3& diffuse, const V3& both) = 0;
+  // Of `path`, at current rays i, i + 1, ...: what the surface emits, the light that it samples,
+  // how the path goes on. Densities are per solid angle; weights of emission and light are those of
+  // multiple importance sampling.
+  struct Bounce {
+    V3 normal;  // of shading
+    const Lobes& lobes;
+    V3 transmittance;  // of the medium before the surface
+    V3 emission;
+    V emission_density;  // with which the sampling of lights finds it
+    V emission_weight;
+    V3 light;  // radiance, divided by its density
+    V light_density;
+    V3 light_bsdf;  // times the cosine
+    V light_bsdf_density, light_weight;
+    V3 direct;  // the radiance due to an unoccluded light
+    V density;  // of the next direction
+    V3 weight;  // of the next ray, before roulette
+    V chance;   // that it goes on
+  };
+  virtual void bounced(const Wavefront&, size_t i, size_t n, const PathLights::Choice* lights,
+                       const Bounce&) = 0;
+  // Rays of paths that leave the scene, and the light from there.
+  virtual void escaped(const Wavefront&, size_t i, M mask, const V3& light, V light_density,
+                       V weight) = 0;
   // points() of the n current rays are final.
   virtual void shaded(const Wavefront&, size_t n) = 0;
 };
@@ -118,9 +145,9 @@ class Wavefront final : public TileRenderer {
   RayBatch& shadow_rays() { return shadow_; }
   const RayBatch& shadow_rays() const { return shadow_; }
   const uint8_t* occluded(const WideSampler<D>& sampler, uint32_t depth);
-  // The transmittance of transparent primitives for unoccluded rays; null: all 1.
+  // The transmittance of cutouts and transparent primitives for unoccluded rays; null: all 1.
   const float* shares() const;
-  // Rays and hits for a Shading's other queries of opaque primitives.
+  // Rays and hits for a Shading's other queries of opaque primitives, and of cutouts by half.
   RayBatch& probe_rays() { return probes_; }
   const HitBatch& probe();
   HitBatch& probed() { return probed_; }
@@ -219,6 +246,7 @@ class Wavefront final : public TileRenderer {
   const Rgb background_;
   PixelSums whole_background_{};  // for weight 1
   std::unique_ptr<const Features> features_;
+  std::unique_ptr<Cutouts> cutouts_;            // null: there are none
   std::unique_ptr<Transparency> transparency_;  // null: all primitives are opaque
   TraceContext context_;
   TilePixels pixels_;

@@ -9,7 +9,9 @@
 #include <limits>
 
 #include "integrate/camera-inl.h"
+#include "integrate/cutouts-inl.h"
 #include "integrate/features-inl.h"
+#include "integrate/pixel_filter.h"
 #include "integrate/shadings-inl.h"
 #include "integrate/transparency-inl.h"
 
@@ -20,6 +22,14 @@ namespace {
 // Maps a tile of the film, which may be cropped, to the whole picture.
 Tile in_picture(const Tile& tile, const Crop& frame) {
   return {tile.x0 + frame.x0, tile.y0 + frame.y0, tile.x1 + frame.x0, tile.y1 + frame.y0};
+}
+
+// The place along an axis of a pixel with this part of the filter before it.
+V filtered(const float* places, V part) {
+  const V along = hn::Mul(part, hn::Set(d, float(kFilterSteps))), whole = hn::Floor(along);
+  const auto first = hn::ConvertTo(Signed<D>(), whole);
+  const V low = hn::GatherIndex(d, places, first), high = hn::GatherIndex(d, places + 1, first);
+  return hn::Add(low, hn::Mul(hn::Sub(high, low), hn::Sub(along, whole)));
 }
 
 }  // namespace
@@ -41,6 +51,7 @@ Wavefront::Wavefront(const PreparedScene& scene, WorkControl& control,
       waiting_(size_t(levels_) + 1),
       points_(std::make_unique_for_overwrite<SurfacePoints>()),
       hidden_(padded(kChunk)) {
+  if (scene.scene.has_cutouts()) cutouts_ = std::make_unique<Cutouts>(*this);
   if (scene.accel.geometry().any_transparent())
     transparency_ = std::make_unique<Transparency>(*this);
   current_.tinted = shading_->tints(), current_.weighs = shading_->weighs();
@@ -105,7 +116,9 @@ size_t Wavefront::make_eye_rays(size_t first, const WideSampler<D>& sampler) {
   const U branch = hn::Set(du, kEyeBranch);
   for (size_t i = first; i < end; i += kWidth) {
     const U pixel = pixels_.numbers(i), place = place_of(pixel);
-    const Wide2<D> within = sampler.in_pixel(place);
+    Wide2<D> within = sampler.in_pixel(place);
+    if (const float* const places = scene_.filter_places)
+      within = {filtered(places, within.x), filtered(places, within.y)};
     const auto to_float = [](U n)
                               HWY_ATTR { return hn::ConvertTo(d, hn::BitCast(Signed<D>(), n)); };
     const V x = hn::Add(to_float(pixels_.column_of(pixel)), within.x);
@@ -137,6 +150,8 @@ void Wavefront::trace_level(int level, const WideSampler<D>& sampler) {
     costs_.trace(scene_.accel, current_.rays, hits_, context_);
   else
     scene_.accel.closest(current_.rays, hits_, context_);
+  if (context_.stopped()) return;
+  if (cutouts_) cutouts_->trace(sampler);
   if (context_.stopped()) return;
   if (recorder_) recorder_->traced(*this, level);
   if (counts) {
@@ -190,15 +205,21 @@ void Wavefront::add_features() {
 const uint8_t* Wavefront::occluded(const WideSampler<D>& sampler, uint32_t depth) {
   set_times(shadow_);
   scene_.accel.occluded(shadow_, hidden_.data(), context_);
+  if (cutouts_ && !context_.stopped()) cutouts_->find_shares(shadow_, hidden_.data());
   if (transparency_) transparency_->find_shares(shadow_, hidden_.data(), sampler, depth);
+  if (cutouts_ && transparency_)
+    for (size_t i = 0; i < shadow_.size(); ++i) cutouts_->shares()[i] *= transparency_->shares()[i];
   return hidden_.data();
 }
 
-const float* Wavefront::shares() const { return transparency_ ? transparency_->shares() : nullptr; }
+const float* Wavefront::shares() const {
+  return cutouts_ ? cutouts_->shares() : transparency_ ? transparency_->shares() : nullptr;
+}
 
 const HitBatch& Wavefront::probe() {
   set_times(probes_);
   scene_.accel.closest(probes_, probed_, context_);
+  if (cutouts_ && !context_.stopped()) cutouts_->trace_nearest(probes_, probed_);
   return probed_;
 }
 

@@ -17,6 +17,7 @@ using Set = std::expected<void, std::string>;
 
 constexpr std::array<std::string_view, 5> kAccelNames = {"auto", "none", "grid", "bvh", "embree"};
 constexpr std::array<std::string_view, 2> kSamplerNames = {"jitter", "sobol"};
+constexpr std::array<std::string_view, 2> kFilterNames = {"box", "blackman-harris"};
 constexpr std::array<std::string_view, kViews> kViewNames = {
     "picture", "normals", "depth", "ids", "materials", "steps", "tests", "focus", "samples"};
 constexpr std::array<std::string_view, 4> kToneNames = {"none", "srgb", "agx", "neutral"};
@@ -326,6 +327,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol "
            "sequence, well distributed after any number of samples",
            kValue<&Options::sampler>, usual("jitter; sobol with `samples`"), one_of(kSamplerNames)),
+    option(
+        sampling, "filter", "NAME",
+        "Pixel filter: box, the pixel's square; or blackman-harris, a smooth one of 3 x 3 pixels",
+        kValue<&Options::filter>, usual("blackman-harris for paths, else box"),
+        one_of(kFilterNames), kOfLight),
     option(effects, "depth", "N", "Maximum ray depth; the eye ray is level 1",
            kValue<&Options::depth>, usual("5; 16 for paths"), range(1, kMaxDepth), kOfRayTrees),
     option(effects, "no-reflection", "", "Trace no reflected rays; highlights of the lights stay",

@@ -43,6 +43,7 @@ struct RenderOptions : PlainOptions {
   std::optional<Tone> tone;
   std::optional<bool> dof;
   std::optional<SamplerKind> sampler;
+  std::optional<PixelFilter> filter;
   std::optional<ShadingModel> shading;
   std::optional<Fresnel> fresnel;
   std::optional<std::array<float, 2>> shutter;  // opens and closes

@@ -285,6 +285,10 @@ AccelKind hinted_accel(const Scene& scene) {
 namespace {
 
 // From the start of the first movement to the end of the last.
+PixelFilter usual_filter(IntegratorKind integrator) {
+  return integrator == IntegratorKind::path ? PixelFilter::blackman_harris : PixelFilter::box;
+}
+
 std::array<float, 2> usual_shutter(const Scene& scene) {
   if (!scene.moves()) return {0, 1};
   std::array shutter = {std::numeric_limits<float>::infinity(),
@@ -344,6 +348,7 @@ RenderSettings resolve_options(const RenderOptions& o, const Scene& scene) {
   s.sampler = s.samples > 0 ? SamplerKind::sobol : o.sampler.value_or(SamplerKind::jitter);
   const bool path = s.integrator == IntegratorKind::path;
   const bool figure = lights_from_all_sides(s.integrator);
+  s.filter = o.filter.value_or(usual_filter(s.integrator));
   if (o.depth == 0) s.depth = path ? kUsualPathDepth : RenderSettings().depth;
   if (figure && s.samples == 0 && o.aa == 0 && o.lens_samples == 0 &&
       o.sampler != SamplerKind::jitter && scene.requests.samples_per_pixel == 0)
@@ -379,6 +384,7 @@ RenderOptions options_of(const RenderSettings& s, const Scene& scene) {
   set_camera(o, s.camera, scene);
   if (s.noise > 0) o.samples = 0;
   o.sampler = s.sampler, o.dof = s.dof;
+  if (s.filter != usual_filter(s.integrator)) o.filter = s.filter;
   if (s.shading != usual(scene.dialect).shading) o.shading = s.shading;
   if (s.fresnel != usual(scene.dialect).fresnel) o.fresnel = s.fresnel;
   if (const std::array shutter = {s.shutter_open, s.shutter_close}; shutter != usual_shutter(scene))

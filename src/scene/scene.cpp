@@ -111,6 +111,12 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   return MaterialId(materials.size() - 1);
 }
 
+bool Scene::has_cutouts() const {
+  for (MaterialId id = 0; id < standard_surfaces.size(); ++id)
+    if (has_cutouts(id)) return true;
+  return false;
+}
+
 bool Scene::has_emission() const {
   return std::ranges::any_of(standard_surfaces, [](const StandardSurface& s) {
     return s.is_standard && s.emission != Rgb();

@@ -396,6 +396,14 @@ struct Scene : Object {
     if (standard_surfaces.empty() || !standard_surfaces[id].is_standard) return nullptr;
     return &standard_surfaces[id];
   }
+  /// Whether the alpha of the material's texture lets rays pass triangles.
+  bool has_cutouts(MaterialId id) const {
+    const StandardSurface* const surface = standard_surface_of(id);
+    if (!surface || surface->alpha_mode == AlphaMode::opaque) return false;
+    return texture_of(id) != kNoTexture ||
+           (surface->alpha_mode == AlphaMode::mask && surface->alpha_cutoff > 1);
+  }
+  bool has_cutouts() const;
   /// Whether any surface emits light.
   bool has_emission() const;
   /// Makes the last material a standard surface.

@@ -193,9 +193,10 @@ std::string Inspector::label_of(int ray) const {
   const auto& log = found_->logs[size_t(ray)];
   const Geometry& geometry = found_->baked->accel->geometry();
   if (r.kind == ExplainedRay::Kind::shadow) {
+    const std::string light = app::light_name(found_->sample, r);
     const TraceLog::Test* by = r.occluded ? app::stopper(log) : nullptr;
-    if (by) return trf("light {} is behind {}", r.light, app::name_of(geometry, by->primitive));
-    return r.occluded ? trf("light {} is hidden", r.light) : trf("light {} shines", r.light);
+    if (by) return trf("light {} is behind {}", light, app::name_of(geometry, by->primitive));
+    return r.occluded ? trf("light {} is hidden", light) : trf("light {} shines", light);
   }
   const Rgb w = r.weight;
   const std::string weight = w == Rgb(w.x) ? fmt::format("{:.3g}", w.x)

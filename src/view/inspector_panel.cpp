@@ -274,6 +274,8 @@ void Inspector::draw_ray() const {
           r.weight == Rgb(r.weight.x) ? fmt::format("{:.4g}", r.weight.x) : brief(r.weight)),
       exact(r.weight));
   if (r.kind == Kind::shadow) {
+    const auto& bounce = found_->sample.rays[size_t(r.parent)].bounce;
+    if (bounce) return draw_sampled_light(ray_, *bounce);
     row(tr("light"), label_of(ray_));
     return draw_terms(r);
   }
@@ -292,6 +294,12 @@ void Inspector::draw_surface(const ExplainedRay& r) const {
   row(tr("normal"), s.normal);
   if (s.geometric != s.normal) row(tr("flat normal"), s.geometric);
   row(tr("material"), fmt::format("{}", s.material));
+  if (r.bounce) {
+    draw_bounce(*r.bounce);
+    for (const int k : children_[size_t(ray_)])
+      if (found_->sample.rays[size_t(k)].kind == Kind::shadow) draw_sampled_light(k, *r.bounce);
+    return row("C", s.radiance);
+  }
   row(tr("colour"), s.color);
   number_row("Kd", s.kd), number_row("Ks", s.ks);
   if (s.specular != Rgb(1)) row(tr("its colour"), s.specular);
@@ -315,6 +323,27 @@ void Inspector::draw_surface(const ExplainedRay& r) const {
     if (!light.occluded) draw_terms(light);
   }
   row("C", s.radiance);
+}
+
+void Inspector::draw_bounce(const ExplainedRay::Bounce& b) const {
+  row(tr("diffuse"), b.diffuse);
+  if (b.mirror != Rgb()) row(tr("metal"), b.mirror);
+  if (b.coat != Rgb()) row(tr("dielectric"), b.coat);
+  if (b.glass > 0) number_row(tr("glass"), b.glass);
+  number_row(tr("roughness"), b.roughness);
+  if (b.transmittance != Rgb(1)) row(tr("medium"), b.transmittance);
+  if (b.emission == Rgb()) return;
+  row(tr("emission"), b.emission);
+  number_row("w", b.emission_weight);
+}
+
+void Inspector::draw_sampled_light(int shadow, const ExplainedRay::Bounce& b) const {
+  row(tr("light"), label_of(shadow));
+  row("L", found_->sample.rays[size_t(shadow)].ray.dir);
+  if (b.light_density > 0) number_row("q", b.light_density);
+  number_row("w", b.light_weight);
+  row("BSDF cos", b.light_bsdf);
+  row("direct", found_->sample.rays[size_t(shadow)].occluded ? Rgb() : b.direct);
 }
 
 // A light's intensity, angles and terms.

@@ -27,7 +27,20 @@ class ShadingNarrator {
       : sample_(sample), scene_(scene), settings_(settings), id_(ray), ray_(sample.rays[ray]) {}
 
   std::vector<TraversalStep> tell() && {
-    if (ray_.kind == Kind::shadow) {
+    if (const auto* const parent = ray_.parent < 0 ? nullptr : &sample_.rays[size_t(ray_.parent)];
+        ray_.kind == Kind::shadow && parent->bounce) {
+      sampled_light(*parent->bounce, ray_);
+    } else if (ray_.bounce) {
+      bounce(*ray_.bounce);
+    } else if (ray_.escape) {
+      add(tr("The ray leaves the scene: it gets the light from there, times its MIS weight"),
+          "w = p / (p + q)\nC = w light",
+          {{"light", numbers(ray_.background)},
+           {"p", number(parent->bounce->density)},
+           {"q", number(ray_.escape->light_density)},
+           {"w", number(ray_.escape->weight)}});
+      sum(ray_.background * ray_.escape->weight);
+    } else if (ray_.kind == Kind::shadow) {
       light(sample_.rays[size_t(ray_.parent)], size_t(ray_.light), &ray_);
     } else if (!ray_.surface) {
       add(ray_.traced ? tr("The ray hits nothing: it gets the background")
@@ -54,6 +67,58 @@ class ShadingNarrator {
   const ExplainedRay* child(Kind kind, int light = -1) const {
     for (const ExplainedRay& r : sample_.rays)
       if (r.parent == int(id_) && r.kind == kind && r.light == light) return &r;
+    return nullptr;
+  }
+
+  // docs/light.md. p and q: the densities of the surface's and the lights' sampling.
+  void bounce(const ExplainedRay::Bounce& b) {
+    if (b.emission != Rgb()) {
+      Variables variables{{"emission", numbers(b.emission)}, {"w", number(b.emission_weight)}};
+      if (b.emission_density > 0)
+        variables.insert(variables.begin(),
+                         {{"p", number(sample_.rays[size_t(ray_.parent)].bounce->density)},
+                          {"q", number(b.emission_density)}});
+      add(tr("The surface emits light, with the MIS weight of the ray that found it"),
+          b.emission_density > 0 ? "w = p / (p + q)\nemitted = w emission" : "emitted = w emission",
+          std::move(variables));
+    }
+    if (const ExplainedRay* const shadow = below(true)) sampled_light(b, *shadow);
+    sum(ray_.surface->radiance);
+    const ExplainedRay* const next = below(false);
+    if (!next) {
+      add(ray_.level == settings_.depth ? tr("The path ends at its last level")
+                                        : tr("The path ends: absorbed, or by Russian roulette"));
+      return;
+    }
+    add(tr("The path goes on in a direction chosen by the surface"),
+        "weight' = weight factor / chance\nfactor = BSDF cos / p",
+        {{"direction", numbers(next->ray.dir)},
+         {"p", b.density > 0 ? number(b.density) : tr("none: a sharp direction")},
+         {"factor", weight_text(b.weight)},
+         {"chance", number(b.chance)},
+         {"weight", weight_text(ray_.weight)},
+         {"weight'", weight_text(next->weight)}});
+  }
+  void sampled_light(const ExplainedRay::Bounce& b, const ExplainedRay& shadow) {
+    Variables variables{{tr("light"), b.light},
+                        {tr("its probability"), number(b.light_probability)},
+                        {"L", numbers(shadow.ray.dir)}};
+    if (b.light_density > 0)
+      variables.insert(variables.end(),
+                       {{"q", number(b.light_density)}, {"p", number(b.light_bsdf_density)}});
+    variables.insert(variables.end(), {{"light / q", numbers(b.light_radiance)},
+                                       {"BSDF cos", numbers(b.light_bsdf)},
+                                       {"w", number(b.light_weight)},
+                                       {"direct", numbers(shadow.occluded ? Rgb() : b.direct)}});
+    add(shadow.occluded ? tr("A point of a light is sampled; it is occluded")
+                        : tr("A point of a light is sampled, and its light reflected"),
+        b.light_density > 0 ? "w = q / (p + q)\ndirect = w BSDF cos light / q"
+                            : "direct = BSDF cos light / q",
+        std::move(variables));
+  }
+  const ExplainedRay* below(bool shadow) const {
+    for (const ExplainedRay& r : sample_.rays)
+      if (r.parent == int(id_) && (r.kind == Kind::shadow) == shadow) return &r;
     return nullptr;
   }
 
@@ -141,8 +206,9 @@ class ShadingNarrator {
     add(ray_.surface ? tr("The sum of these terms, times the weight of the ray, is what it adds to "
                           "the pixel")
                      : tr("Times the weight of the ray, this is what it adds to the pixel"),
-        ray_.surface ? "C = ambient + sum (diffuse + highlight)\nadds = weight C"
-                     : "adds = weight C",
+        ray_.bounce    ? "C = medium (emitted + direct)\nadds = weight C"
+        : ray_.surface ? "C = ambient + sum (diffuse + highlight)\nadds = weight C"
+                       : "adds = weight C",
         {{"C", numbers(radiance)},
          {"weight", weight_text(ray_.weight)},
          {"adds", numbers(ray_.adds)}});

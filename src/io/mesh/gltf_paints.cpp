@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "io/file.h"
 #include "io/mesh/builder.h"
 #include "io/textures.h"
@@ -73,7 +75,14 @@ class Pictures {
   TextureReader textures_;
 };
 
-StandardSurface surface_of(const Paint& paint, uint32_t color_texture, Pictures& pictures) {
+bool has_alpha(const Scene& scene, const Texture& texture) {
+  const auto first = scene.texels.begin() + texture.first;
+  return std::any_of(first, first + size_t(texture.width) * texture.height,
+                     [](uint32_t texel) { return texel >> 24 > 0; });
+}
+
+StandardSurface surface_of(const Paint& paint, uint32_t color_texture, const Scene& scene,
+                           Pictures& pictures) {
   StandardSurface out = paint.surface;
   // Without its texture, a factor would apply everywhere, and most are 1.
   const auto take = [&](Slot slot, uint32_t& texture, auto&... factors) {
@@ -86,6 +95,9 @@ StandardSurface surface_of(const Paint& paint, uint32_t color_texture, Pictures&
   take(Slot::emission, out.emission_texture, out.emission);
   take(Slot::transmission, out.transmission_texture, out.transmission);
   if (out.is_unlit) out.emission_texture = color_texture;
+  if (color_texture != kNoTexture && out.alpha_cutoff <= 1 &&
+      !has_alpha(scene, scene.textures[color_texture]))
+    out.alpha_mode = AlphaMode::opaque;
   return out;
 }
 
@@ -114,13 +126,11 @@ Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptio
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     const Paint& paint = document.materials[i];
-    if (textures[i] != kNoTexture && paint.surface.alpha_mode != AlphaMode::opaque)
-      notices.add(Severity::left_out, "alpha of textures", paint.name);
     const Rgb color(paint.color[0], paint.color[1], paint.color[2]);
     const bool blends = paint.surface.alpha_mode == AlphaMode::blend;
     of_[i] = scene.add_material({.color = color, .kd = 1, .ior = paint.ior}, Rgb(1), 0,
                                 blends ? paint.color[3] : 1, textures[i]);
-    scene.set_standard_surface(surface_of(paint, textures[i], pictures));
+    scene.set_standard_surface(surface_of(paint, textures[i], scene, pictures));
   }
   if (!any_plain && !scene.materials.empty()) return;
   const Paint plain;
