@@ -129,6 +129,8 @@ class RenderOptions(AnnotationOptions, total=False):
         max_samples: The most samples per pixel with noise (default: 4096)
         sampler: Sampling pattern: jitter, random points in equal cells; or sobol, a scrambled Sobol
             sequence, well distributed after any number of samples (default: jitter; sobol with samples)
+        filter: Pixel filter: box, the pixel's square; or blackman-harris, a smooth one of 3 x 3 pixels
+            (default: blackman-harris for paths, else box)
         depth: Maximum ray depth; the eye ray is level 1 (default: 5; 16 for paths)
         no_reflection: Trace no reflected rays, with integrator classic; highlights of the lights stay
         no_refraction: Trace no refracted rays, with integrator classic; transparent surfaces become
@@ -212,6 +214,7 @@ class RenderOptions(AnnotationOptions, total=False):
     min_samples: int | None
     max_samples: int | None
     sampler: Literal["jitter", "sobol"] | None
+    filter: Literal["box", "blackman-harris"] | None
     depth: int | None
     no_reflection: bool | None
     no_refraction: bool | None
