@@ -28,7 +28,7 @@ LAMPS = "--environment scenes/course/lamps.pfm"
 SCENES = ["scenes/course/room.nff --samples 16 --soft-shadows --light-size 2",
           "scenes/course/room.nff --samples 16 --depth 2", "scenes/course/glass.nff --samples 32",
           f"scenes/course/plates.p3f --samples 24 {LAMPS}", "scenes/course/furnace.p3f --samples 24"]
-RAIO_SAMPLES, BLOCK, MOST_SIGMAS, MOST_RMS = 1024, 8, 4, 1.5
+RAIO_SAMPLES, BLOCK, MOST_SIGMAS, MOST_RMS = 1024, 8, 3, 1.5
 ROUNDING = 5e-4  # Raio computes in single precision; relative to the brightness
 
 

@@ -15,6 +15,7 @@ from itertools import accumulate
 from math import asin, atan2, cos, inf, pi, sin, sqrt
 
 sys.dont_write_bytecode = True
+sys.path.append("docs/course")  # for copies of this file in other folders
 from tracer import Camera, Scene, Tracer, Vec, cross, dot, length, png, reflect, refract, times, to_disc, unit
 
 def gray(x): return Vec(x, x, x)

@@ -88,6 +88,14 @@ bool is_lesson(const fs::path& file) {
          fs::exists(file, ignored);
 }
 
+// The number at the beginning of a lesson's name; 10 comes after 2.
+int number_of(const fs::path& page) {
+  const std::string name = page.filename().string();
+  int number = 0;
+  std::from_chars(name.data(), name.data() + name.size(), number);
+  return number;
+}
+
 // Builds blocks from the events of md4c.
 class PageParser {
  public:
@@ -381,7 +389,7 @@ std::expected<Lesson, Error> read_lesson(const fs::path& page) {
   std::vector<fs::path> pages;
   for (const auto& entry : fs::directory_iterator(page.parent_path(), error))
     if (is_lesson(entry.path())) pages.push_back(entry.path());
-  std::ranges::sort(pages);
+  std::ranges::sort(pages, {}, [](const fs::path& p) { return std::pair(number_of(p), p); });
   for (size_t i = 1; i < pages.size(); ++i) {
     if (pages[i] == page) lesson.previous = pages[i - 1];
     if (pages[i - 1] == page) lesson.next = pages[i];
