@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes a glTF scene of lesson 12: towers at night among so many lanterns, which have the same power all together.
 
-    python3 docs/course/lanterns.py 300 scenes/course/lanterns.gltf
+    python3 docs/course/lanterns.py 300 scenes/course/paths/lanterns.gltf
 """
 import base64, json, random, struct, sys
 

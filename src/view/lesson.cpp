@@ -280,11 +280,16 @@ std::optional<app::ShownScene> shown_by(const std::string& line, const fs::path&
   if (words.empty() || words.front() != "./raio") return std::nullopt;
   words.erase(words.begin());
   auto shown = app::shown_scene(words);
-  std::error_code ignored;
-  // Not those that the page's other commands would make first.
-  if (!shown || !shown->scene.starts_with("scenes/") || !fs::exists(root / shown->scene, ignored))
-    return std::nullopt;
-  shown->scene = (root / shown->scene).string();
+  if (!shown) return std::nullopt;
+  // Makes the path whole. Not of files that the page's other commands would make first.
+  const auto find = [&](std::string& file) {
+    std::error_code ignored;
+    if (!file.starts_with("scenes/") || !fs::exists(root / file, ignored)) return false;
+    file = (root / file).string();
+    return true;
+  };
+  std::string& environment = shown->read.environment;
+  if (!find(shown->scene) || (!environment.empty() && !find(environment))) return std::nullopt;
   return shown;
 }
 
