@@ -97,10 +97,10 @@ TEST(Lessons, AreTwelveWithExercisesWhoseSolutionsHaveTheAnswers) {
   const auto lessons = lessons_in(RAIO_SOURCE_DIR);
   ASSERT_EQ(lessons.size(), 12u);
   fs::path previous;
-  int number = 0;
+  int place = 0;
   for (const LessonEntry& entry : lessons) {
     SCOPED_TRACE(entry.page);
-    EXPECT_TRUE(entry.title.starts_with(fmt::format("{}. ", ++number))) << entry.title;
+    EXPECT_TRUE(entry.title.starts_with(fmt::format("{}. ", ++place))) << entry.title;
     const auto lesson = read_lesson(entry.page);
     ASSERT_TRUE(lesson) << lesson.error().text();
     EXPECT_EQ(lesson->title, entry.title);
