@@ -5,8 +5,8 @@ differ by more than noise: in the whole picture, in its blocks, and in the sum o
     tests/same_as_path_tracer.py build/release/raio
     tests/same_as_path_tracer.py build/release/raio "scenes/shapes.nff --samples 64"
 
-The error of the path tracer is known from the variance of its samples; that of Raio, which has more and better distributed
-samples, is at most as large for the same number. All seeds are fixed, so the result is always the same.
+The error of the path tracer is known from the variance of its samples; that of Raio, whose samples are better
+distributed, is at most as large for the same number. All seeds are fixed, so the result is always the same.
 """
 import argparse
 import struct

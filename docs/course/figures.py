@@ -188,9 +188,10 @@ def path():
     for i, point in enumerate(points[1:]):
         target = lamp[0] + 0.3 * (i - 1), lamp[1]
         d.line(point, target, RED, 1.5, True)
-        part = (0.3, 0.3, 0.6)[i]
-        d.text(point[0] + (target[0] - point[0]) * part + 0.1, point[1] + (target[1] - point[1]) * part, str(i + 2), RED)
-    for x, y, words in ((0.25, 3.1, "eye"), (5.55, 4.3, "lamp"), (2.8, 0.2, "x1"), (8.6, 2.45, "x2"), (6.1, 0.2, "x3")):
+        x, y = (point[a] + (target[a] - point[a]) * (0.3, 0.3, 0.6)[i] for a in (0, 1))
+        d.text(x + 0.1, y, str(i + 2), RED)
+    for x, y, words in ((0.25, 3.1, "eye"), (5.55, 4.3, "lamp"), (2.8, 0.2, "x1"), (8.6, 2.45, "x2"),
+                        (6.1, 0.2, "x3")):
         d.text(x, y, words)
     return d
 

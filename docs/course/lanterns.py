@@ -30,8 +30,9 @@ def main():
     quad = [(0, 1, 2), (0, 2, 3)]
     floor = shape([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)], quad)
     box_corners = [(x, y, z) for y in (0, 1) for x, z in ((-1, 1), (1, 1), (1, -1), (-1, -1))]
-    box = shape(box_corners, [(a, b, c) for i in range(4) for a, b, c in
-                              ((i, (i + 1) % 4, (i + 1) % 4 + 4), (i, (i + 1) % 4 + 4, i + 4))] + [(4, 5, 6), (4, 6, 7)])
+    box = shape(box_corners, [face for i in range(4) for face in
+                              ((i, (i + 1) % 4, (i + 1) % 4 + 4), (i, (i + 1) % 4 + 4, i + 4))]
+                + [(4, 5, 6), (4, 6, 7)])
     lantern = shape([(0, -1, 0), (1, 0, 0), (0, 0, 1), (-1, 0, 0), (0, 0, -1), (0, 1, 0)],
                     [f for i in range(4) for f in ((0, i + 1, (i + 1) % 4 + 1), (5, (i + 1) % 4 + 1, i + 1))])
 

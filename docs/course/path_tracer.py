@@ -85,10 +85,11 @@ class Surface:
     def __init__(self, color, kd, specular, ks, transmission, ior, roughness):
         scale = 1 / max(1, kd * brightest(color) + ks * brightest(specular) + transmission)
         self.diffuse, self.mirror, self.glass, self.ior = color * (kd * scale), gray(0), 0, ior or 1
+        if transmission > 0 and roughness >= 1 / 32: sys.exit("this path tracer has no rough glass; raio has")
         if transmission > 0: self.glass = min((ks + transmission) * scale, 1)
         else: self.mirror = specular * (ks * scale)
         self.edge = brightest(self.mirror)
-        self.alpha = roughness ** 2 if roughness >= 1 / 32 and self.edge else 0
+        self.alpha = min(roughness, 1) ** 2 if roughness >= 1 / 32 and self.edge else 0
         if self.alpha:
             self.lost = LostEnergy(self.alpha)
             lost = self.lost.average
