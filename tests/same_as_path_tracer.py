@@ -23,11 +23,13 @@ sys.path.insert(0, str(ROOT / "docs/course"))
 import path_tracer  # noqa: E402
 
 # Many bounces between diffuse walls, with a point and with a square; mirrors and glass in front of a background; rough
-# metal and the balance heuristic; metals of all roughnesses, white and coloured, in light from all sides.
+# metal and the balance heuristic; metals of all roughnesses, white and coloured, in light from all sides; masked
+# microfacets at grazing angles.
 LAMPS = "--environment scenes/course/paths/lamps.pfm"
 SCENES = ["scenes/course/room.nff --samples 16 --soft-shadows --light-size 2",
           "scenes/course/room.nff --samples 16 --depth 2", "scenes/course/glass.nff --samples 32",
-          f"scenes/course/paths/plates.p3f --samples 24 {LAMPS}", "scenes/course/paths/furnace.p3f --samples 24"]
+          f"scenes/course/paths/plates.p3f --samples 24 {LAMPS}", "scenes/course/paths/furnace.p3f --samples 24",
+          "tests/files/rough_metal.p3f --samples 96 --depth 2"]
 RAIO_SAMPLES, BLOCK, MOST_SIGMAS, MOST_RMS = 1024, 8, 3, 1.5
 ROUNDING = 5e-4  # Raio computes in single precision; relative to the brightness
 
