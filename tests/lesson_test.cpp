@@ -93,12 +93,14 @@ void for_each_line(const Blocks& blocks, const Visit& visit) {
   }
 }
 
-TEST(Lessons, AreEightWithExercisesWhoseSolutionsHaveTheAnswers) {
+TEST(Lessons, AreTwelveWithExercisesWhoseSolutionsHaveTheAnswers) {
   const auto lessons = lessons_in(RAIO_SOURCE_DIR);
-  ASSERT_EQ(lessons.size(), 8u);
+  ASSERT_EQ(lessons.size(), 12u);
   fs::path previous;
+  int place = 0;
   for (const LessonEntry& entry : lessons) {
     SCOPED_TRACE(entry.page);
+    EXPECT_TRUE(entry.title.starts_with(fmt::format("{}. ", ++place))) << entry.title;
     const auto lesson = read_lesson(entry.page);
     ASSERT_TRUE(lesson) << lesson.error().text();
     EXPECT_EQ(lesson->title, entry.title);
@@ -130,23 +132,32 @@ TEST(Lessons, AreEightWithExercisesWhoseSolutionsHaveTheAnswers) {
 }
 
 TEST(Lessons, EachWindowAndEachSceneThatIsRenderedHasAButton) {
-  int views = 0;
+  int views = 0, environments = 0;
   for (const LessonEntry& entry : lessons_in(RAIO_SOURCE_DIR)) {
     const auto lesson = read_lesson(entry.page);
     ASSERT_TRUE(lesson);
     const auto check = [&](const CodeLine& line) {
       const bool is_view = line.text.contains("./raio view"), shows = !line.buttons.empty();
+      // The window shows neither.
+      const bool is_other =
+          line.text.contains("--projection omnidirectional") || line.text.contains("--denoise");
       if (is_view || line.text.contains("./raio render scenes/") ||
           line.text.contains("./raio explain scenes/")) {
-        EXPECT_TRUE(shows) << line.text;
+        EXPECT_EQ(shows, !is_other) << line.text;
       }
       views += is_view;
-      for (const Button& button : line.buttons) EXPECT_TRUE(fs::exists(button.shown.scene));
+      for (const Button& button : line.buttons) {
+        EXPECT_TRUE(fs::exists(button.shown.scene));
+        const std::string& environment = button.shown.read.environment;
+        EXPECT_TRUE(environment.empty() || fs::exists(environment)) << environment;
+        environments += !environment.empty();
+      }
     };
     for_each_line(lesson->text, check);
     for (const Exercise& exercise : lesson->exercises) for_each_line(exercise.solution, check);
   }
-  EXPECT_EQ(views, 8);
+  EXPECT_EQ(views, 12);
+  EXPECT_GE(environments, 3);
 }
 
 TEST(Lessons, ALoopHasAButtonForEachValue) {

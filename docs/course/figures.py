@@ -176,10 +176,49 @@ def grid():
     d.arrow(place(start.x, start.y), place(hit.x, hit.y), BLUE)
     return d
 
+def path():
+    """A path from the eye over three points, each with a ray to the lamp."""
+    d, lamp = Drawing(9, 4.8, 60), (4.9, 4.3)
+    d.line((0.4, 0.6), (8.5, 0.6), "#222", 2), d.line((8.5, 0.6), (8.5, 4.6), "#222", 2)
+    d.line((lamp[0] - 0.5, lamp[1]), (lamp[0] + 0.5, lamp[1]), YELLOW, 8)
+    points = [(0.5, 2.9), (2.9, 0.6), (8.5, 2.5), (6.2, 0.6)]
+    for i, (a, b) in enumerate(zip(points, points[1:])):
+        d.arrow(a, b, BLUE)
+        d.text((a[0] + b[0]) / 2 + 0.05, (a[1] + b[1]) / 2 + 0.2, str(i + 1), BLUE)
+    for i, point in enumerate(points[1:]):
+        target = lamp[0] + 0.3 * (i - 1), lamp[1]
+        d.line(point, target, RED, 1.5, True)
+        x, y = (point[a] + (target[a] - point[a]) * (0.3, 0.3, 0.6)[i] for a in (0, 1))
+        d.text(x + 0.1, y, str(i + 2), RED)
+    for x, y, words in ((0.25, 3.1, "eye"), (5.55, 4.3, "lamp"), (2.8, 0.2, "x1"), (8.6, 2.45, "x2"),
+                        (6.1, 0.2, "x3")):
+        d.text(x, y, words)
+    return d
+
+def microfacets():
+    """A rough surface of facets; those whose normal is H mirror L to V."""
+    d, p = Drawing(8, 4, 60), (4, 0.85)
+    half = unit(Vec(sin(radians(12)), cos(radians(12)), 0))
+    light = Vec(sin(radians(-38)), cos(radians(-38)), 0)
+    to_eye = reflect(-light, half)
+    tilts, x, y, shown = (14, -22, 5, 12, -20, 25, -17, 12, -26, 12, 20, -19, 9, -15, 12), 0.4, 0.7, []
+    for tilt in tilts:  # each facet descends by its tilt
+        end = x + 0.48, y - 0.48 * tan(radians(tilt))
+        shown.append(((x, y), end, tilt == 12))
+        x, y = end
+    for a, b, is_found in shown:
+        d.line(a, b, RED if is_found else "#222", 4 if is_found else 2)
+    p = tuple((shown[7][0][i] + shown[7][1][i]) / 2 for i in (0, 1))
+    for v, length, label, color in ((light, 2.9, "L, into", BLUE), (to_eye, 2.6, "V, out", GREEN),
+                                    (Vec(0, 1, 0), 2.9, "N", "#222"), (half, 2.4, "H", RED)):
+        d.arrow(p, (p[0] + length * v.x, p[1] + length * v.y), color, label)
+    return d
+
 def main():
     folder = Path(sys.argv[1])
     for name, draw in (("1-camera", camera), ("3-phong", phong), ("4-mirror-and-glass", mirror_and_glass),
-                       ("6-penumbra", penumbra), ("7-lens", lens), ("8-grid", grid)):
+                       ("6-penumbra", penumbra), ("7-lens", lens), ("8-grid", grid), ("9-path", path),
+                       ("11-microfacets", microfacets)):
         draw().save(folder / f"{name}.svg")
 
 if __name__ == "__main__":

@@ -88,6 +88,14 @@ bool is_lesson(const fs::path& file) {
          fs::exists(file, ignored);
 }
 
+// The number at the beginning of a lesson's name; 10 comes after 2.
+int number_of(const fs::path& page) {
+  const std::string name = page.filename().string();
+  int number = 0;
+  std::from_chars(name.data(), name.data() + name.size(), number);
+  return number;
+}
+
 // Builds blocks from the events of md4c.
 class PageParser {
  public:
@@ -272,11 +280,16 @@ std::optional<app::ShownScene> shown_by(const std::string& line, const fs::path&
   if (words.empty() || words.front() != "./raio") return std::nullopt;
   words.erase(words.begin());
   auto shown = app::shown_scene(words);
-  std::error_code ignored;
-  // Not those that the page's other commands would make first.
-  if (!shown || !shown->scene.starts_with("scenes/") || !fs::exists(root / shown->scene, ignored))
-    return std::nullopt;
-  shown->scene = (root / shown->scene).string();
+  if (!shown) return std::nullopt;
+  // Makes the path whole. Not of files that the page's other commands would make first.
+  const auto find = [&](std::string& file) {
+    std::error_code ignored;
+    if (!file.starts_with("scenes/") || !fs::exists(root / file, ignored)) return false;
+    file = (root / file).string();
+    return true;
+  };
+  std::string& environment = shown->read.environment;
+  if (!find(shown->scene) || (!environment.empty() && !find(environment))) return std::nullopt;
   return shown;
 }
 
@@ -381,7 +394,7 @@ std::expected<Lesson, Error> read_lesson(const fs::path& page) {
   std::vector<fs::path> pages;
   for (const auto& entry : fs::directory_iterator(page.parent_path(), error))
     if (is_lesson(entry.path())) pages.push_back(entry.path());
-  std::ranges::sort(pages);
+  std::ranges::sort(pages, {}, [](const fs::path& p) { return std::pair(number_of(p), p); });
   for (size_t i = 1; i < pages.size(); ++i) {
     if (pages[i] == page) lesson.previous = pages[i - 1];
     if (pages[i - 1] == page) lesson.next = pages[i];
