@@ -57,7 +57,7 @@ void ask_bsdf(const TestLobes& t, EnergyTables& tables, Vec3f out, bool samples,
                                        t.sheen_roughness};
   const uint32_t conductor = tables.conductor(layers);
   EnergyTables::Dielectric of_ior{conductor, conductor, conductor};
-  if (t.ior != 1) of_ior = tables.dielectric(t.ior, layers);
+  if (t.ior != 1) of_ior = tables.dielectric(t.ior, layers, t.glass > 0);
   if (t.thin) of_ior.entering = of_ior.leaving = conductor;
   const auto wide = [](float x) { return hn::Set(d, x); };
   const Lobes lobes = {.diffuse = set3(d, Rgb(t.diffuse)),

@@ -66,10 +66,9 @@ Cosines cosines_of(double alpha) {
   return all;
 }
 using AllCosines = std::array<Cosines, EnergyTables::kRows>;
-AllCosines all_cosines(bool layered) {
+AllCosines all_cosines() {
   AllCosines all;
-  for (size_t row = 0; row < all.size(); ++row)
-    all[row] = cosines_of(row == 0 && layered ? double(EnergyTables::kWidest) : alpha_of(row));
+  for (size_t row = 0; row < all.size(); ++row) all[row] = cosines_of(alpha_of(row));
   return all;
 }
 
@@ -254,8 +253,9 @@ const Value* found_in(const std::vector<std::pair<Key, Value>>& known, const Key
 
 template <uint32_t kPoints, class Energy>
 uint32_t EnergyTables::add(float eta, bool layered, const Energy& energy) {
-  static const std::array kCosines = {all_cosines(false), all_cosines(true)};
-  const AllCosines& cosines = kCosines[layered];
+  static const AllCosines kCosines = all_cosines();
+  AllCosines cosines = kCosines;
+  if (layered) cosines[0] = cosines_of(double(kWidest));
   const auto first = uint32_t(numbers_.size());
   std::vector<float> table(kNumbers);
   parallel_for(kRows, [&](size_t row) {
@@ -304,21 +304,23 @@ uint32_t EnergyTables::conductor(const Layers& above) {
   return table;
 }
 
-EnergyTables::Dielectric EnergyTables::dielectric(float ior, const Layers& above) {
-  const std::pair key(ior, above);
+EnergyTables::Dielectric EnergyTables::dielectric(float ior, const Layers& above, bool transmits) {
+  const std::tuple key(ior, above, transmits || !above.any());
   if (const auto* const known = found_in(dielectrics_, key)) return *known;
   Dielectric tables;
   if (above.any()) {
-    tables.leaving = dielectric(ior, {}).leaving;
+    tables.leaving = dielectric(ior, {}, true).leaving;
     const float* const first = &numbers_[layers(above)];
     const std::vector<float> copy(first, first + kLayerNumbers);  // numbers_ will move
     const LayerColumns columns(copy.data());
     tables.reflection = add<kFew>(
         ior, true, [&](const Bounce& b) { return b.part * b.reflected * columns.pass(b); });
-    tables.entering = add<kFew>(ior, true, [&](const Bounce& b) {
-      return b.part * b.reflected * columns.pass(b) +
-             (1 - b.part) * b.refracted * columns.at(kBelow, b.out_z);
-    });
+    tables.entering = tables.reflection;
+    if (transmits)
+      tables.entering = add<kFew>(ior, true, [&](const Bounce& b) {
+        return b.part * b.reflected * columns.pass(b) +
+               (1 - b.part) * b.refracted * columns.at(kBelow, b.out_z);
+      });
   } else {
     const auto both = [](const Bounce& b) {
       return b.part * b.reflected + (1 - b.part) * b.refracted;

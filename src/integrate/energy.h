@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -56,10 +57,11 @@ class EnergyTables {
   static constexpr float kLeastSheen = 0.1f;
 
   /// Offsets into numbers(), of tables that are computed on first use. `ior`: inside relative to
-  /// outside. Light that leaves glass does not meet the layers.
+  /// outside. Light that leaves glass does not meet the layers. Below layers, only what `transmits`
+  /// has a table for entering light.
   uint32_t layers(const Layers& of);
   uint32_t conductor(const Layers& above);
-  Dielectric dielectric(float ior, const Layers& above);
+  Dielectric dielectric(float ior, const Layers& above, bool transmits);
 
   const float* numbers() const { return numbers_.data(); }
 
@@ -69,7 +71,7 @@ class EnergyTables {
 
   std::vector<float> numbers_;
   std::vector<std::pair<Layers, uint32_t>> layers_, conductors_;
-  std::vector<std::pair<std::pair<float, Layers>, Dielectric>> dielectrics_;
+  std::vector<std::pair<std::tuple<float, Layers, bool>, Dielectric>> dielectrics_;
 };
 
 }  // namespace raio::core

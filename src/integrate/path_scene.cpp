@@ -66,11 +66,14 @@ void set_tables(PathMaterial& m, EnergyTables& energy) {
   const bool is_metal = m.metallic == 1 && m.metallic_roughness_texture == kNoTexture;
   const bool has_interface = m.transmission > 0 || max_component(m.specular) > 0;
   const bool is_dielectric = m.ior != 1 && has_interface && !is_metal;
+  // Computing tables takes longer than tracing a small picture.
+  const bool is_mirror = m.metallic > 0 || max_component(m.mirror) > 0;
+  const bool needs_conductor = is_mirror || !is_dielectric || (m.is_thin > 0 && m.transmission > 0);
   const auto set = [&](const EnergyTables::Layers& above) {
-    m.conductor = energy.conductor(above);
+    m.conductor = energy.conductor(needs_conductor ? above : EnergyTables::Layers());
     m.reflection = m.entering = m.leaving = m.conductor;
     if (!is_dielectric) return;
-    const auto tables = energy.dielectric(m.ior, above);
+    const auto tables = energy.dielectric(m.ior, above, m.transmission > 0);
     m.reflection = tables.reflection;
     if (m.is_thin == 0) m.entering = tables.entering, m.leaving = tables.leaving;
   };
