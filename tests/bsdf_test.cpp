@@ -26,7 +26,9 @@ struct TestLobes {
   float diffuse = 0, mirror = 0, edge = 0, coat = 0, cover = 0, glass = 0, tint = 1;
   float roughness = 1, ior = 1.5f;
   bool thin = false, leaving = false;
+  float clearcoat = 0, clearcoat_roughness = 0, sheen = 0, sheen_roughness = 0;
 
+  bool has_layers() const { return clearcoat > 0 || sheen > 0; }
   float eta() const { return leaving ? 1 / ior : ior; }
   // The same surface, seen from the other side.
   TestLobes behind() const {
@@ -51,9 +53,11 @@ namespace raio::core::HWY_NAMESPACE {
 // Answers for directions, or for samples with numbers x, y of the square and choice z.
 void ask_bsdf(const TestLobes& t, EnergyTables& tables, Vec3f out, bool samples,
               const std::vector<Vec3f>& questions, std::vector<BsdfAnswer>& answers) {
-  const uint32_t conductor = tables.conductor();
+  const EnergyTables::Layers layers = {t.clearcoat, t.clearcoat_roughness, t.sheen,
+                                       t.sheen_roughness};
+  const uint32_t conductor = tables.conductor(layers);
   EnergyTables::Dielectric of_ior{conductor, conductor, conductor};
-  if (t.ior != 1) of_ior = tables.dielectric(t.ior);
+  if (t.ior != 1) of_ior = tables.dielectric(t.ior, layers, t.glass > 0);
   if (t.thin) of_ior.entering = of_ior.leaving = conductor;
   const auto wide = [](float x) { return hn::Set(d, x); };
   const Lobes lobes = {.diffuse = set3(d, Rgb(t.diffuse)),
@@ -70,7 +74,13 @@ void ask_bsdf(const TestLobes& t, EnergyTables& tables, Vec3f out, bool samples,
                        .conductor = hn::Set(du, conductor),
                        .reflection = hn::Set(du, of_ior.reflection),
                        .front = hn::Set(du, t.leaving ? of_ior.leaving : of_ior.entering),
-                       .back = hn::Set(du, t.leaving ? of_ior.entering : of_ior.leaving)};
+                       .back = hn::Set(du, t.leaving ? of_ior.entering : of_ior.leaving),
+                       .clearcoat = wide(t.clearcoat),
+                       .clearcoat_roughness = wide(t.clearcoat_roughness),
+                       .clearcoat_normal = set3(d, Vec3f(0, 0, 1)),
+                       .sheen = set3(d, Rgb(t.sheen)),
+                       .sheen_roughness = wide(t.sheen_roughness),
+                       .layers = hn::Set(du, t.has_layers() ? tables.layers(layers) : 0)};
   const Bsdf bsdf(lobes, set3(d, out), tables);
   answers.resize(questions.size());
   for (size_t i = 0; i < questions.size(); i += kWidth) {
@@ -124,37 +134,83 @@ Vec3f direction(double cosine, double azimuth) {
   return Vec3f(Vec3d(sine * std::cos(azimuth), sine * std::sin(azimuth), cosine));
 }
 
-// Surfaces that absorb nothing.
-std::vector<TestLobes> white_lobes() {
-  return {{.name = "diffuse", .diffuse = 1},
-          {.name = "metal", .mirror = 1, .edge = 1},
-          {.name = "coat", .diffuse = 1, .coat = 1, .cover = 1},
-          {.name = "glass", .glass = 1},
-          {.name = "glass from inside", .glass = 1, .leaving = true},
-          {.name = "dense glass", .glass = 1, .ior = 2.4f},
-          {.name = "dense glass from inside", .glass = 1, .ior = 2.4f, .leaving = true},
-          {.name = "thin glass", .glass = 1, .thin = true},
-          {.name = "metal and coat",
-           .diffuse = 0.5f,
-           .mirror = 0.5f,
-           .edge = 0.5f,
-           .coat = 0.5f,
-           .cover = 1},
-          {.name = "all",
-           .diffuse = 0.25f,
-           .mirror = 0.25f,
-           .edge = 0.25f,
-           .coat = 0.25f,
-           .cover = 1,
-           .glass = 0.5f},
-          {.name = "all from inside",
-           .diffuse = 0.25f,
-           .mirror = 0.25f,
-           .edge = 0.25f,
-           .coat = 0.25f,
-           .cover = 1,
-           .glass = 0.5f,
-           .leaving = true}};
+// Surfaces that absorb nothing, with clear coats of at least this roughness.
+std::vector<TestLobes> white_lobes(float roughness = 0) {
+  std::vector<TestLobes> all = {
+      {.name = "diffuse", .diffuse = 1},
+      {.name = "metal", .mirror = 1, .edge = 1},
+      {.name = "coat", .diffuse = 1, .coat = 1, .cover = 1},
+      {.name = "glass", .glass = 1},
+      {.name = "glass from inside", .glass = 1, .leaving = true},
+      {.name = "dense glass", .glass = 1, .ior = 2.4f},
+      {.name = "dense glass from inside", .glass = 1, .ior = 2.4f, .leaving = true},
+      {.name = "thin glass", .glass = 1, .thin = true},
+      {.name = "metal and coat",
+       .diffuse = 0.5f,
+       .mirror = 0.5f,
+       .edge = 0.5f,
+       .coat = 0.5f,
+       .cover = 1},
+      {.name = "all",
+       .diffuse = 0.25f,
+       .mirror = 0.25f,
+       .edge = 0.25f,
+       .coat = 0.25f,
+       .cover = 1,
+       .glass = 0.5f},
+      {.name = "all from inside",
+       .diffuse = 0.25f,
+       .mirror = 0.25f,
+       .edge = 0.25f,
+       .coat = 0.25f,
+       .cover = 1,
+       .glass = 0.5f,
+       .leaving = true},
+      {.name = "smooth clearcoat", .diffuse = 1, .clearcoat = 1},
+      {.name = "clearcoat on plastic",
+       .diffuse = 1,
+       .coat = 1,
+       .cover = 1,
+       .clearcoat = 1,
+       .clearcoat_roughness = 0.3f},
+      {.name = "clearcoat on metal",
+       .mirror = 1,
+       .edge = 1,
+       .clearcoat = 1,
+       .clearcoat_roughness = 0.1f},
+      {.name = "half a clearcoat",
+       .diffuse = 0.5f,
+       .mirror = 0.5f,
+       .edge = 0.5f,
+       .coat = 0.5f,
+       .cover = 1,
+       .clearcoat = 0.5f,
+       .clearcoat_roughness = 0.8f},
+      {.name = "clearcoat on glass", .glass = 1, .clearcoat = 1},
+      {.name = "clearcoat on thin glass",
+       .glass = 1,
+       .thin = true,
+       .clearcoat = 1,
+       .clearcoat_roughness = 0.2f},
+      {.name = "sheen", .diffuse = 1, .sheen = 1, .sheen_roughness = 0.3f},
+      {.name = "sheen on plastic",
+       .diffuse = 1,
+       .coat = 1,
+       .cover = 1,
+       .sheen = 1,
+       .sheen_roughness = 1},
+      {.name = "sheen on metal", .mirror = 1, .edge = 1, .sheen = 0.5f, .sheen_roughness = 0.6f},
+      {.name = "clearcoat, sheen, plastic",
+       .diffuse = 1,
+       .coat = 1,
+       .cover = 1,
+       .clearcoat = 1,
+       .clearcoat_roughness = 0.4f,
+       .sheen = 0.8f,
+       .sheen_roughness = 0.5f}};
+  for (TestLobes& lobes : all)
+    lobes.clearcoat_roughness = std::max(lobes.clearcoat_roughness, roughness);
+  return all;
 }
 
 constexpr float kRoughnesses[] = {0,     0.02f, 0.0313f, 0.05f, 0.1f, 0.2f,
@@ -223,7 +279,7 @@ std::vector<Vec3f> sphere_of(size_t heights, size_t azimuths) {
 TEST(Bsdf, SamplesIntegrateTheValue) {
   const std::vector<Vec3f> in = sphere_of(768, 512);
   const std::vector<Vec3f> numbers = halton(1 << 16);
-  for (TestLobes lobes : white_lobes())
+  for (TestLobes lobes : white_lobes(0.4f))
     for (const float roughness : {0.5f, 0.8f, 1.0f})
       for (const float cosine : {0.95f, 0.4f, 0.1f}) {
         lobes.roughness = roughness;
@@ -258,7 +314,7 @@ TEST(Bsdf, SamplesHaveTheirDensity) {
     const float x = unit(), y = unit(), z = unit();
     numbers.emplace_back(x, y, z);
   }
-  for (TestLobes lobes : white_lobes())
+  for (TestLobes lobes : white_lobes(0.4f))
     for (const float roughness : {0.35f, 0.6f, 1.0f})
       for (const float cosine : {0.8f, 0.2f}) {
         lobes.roughness = roughness;
@@ -281,7 +337,7 @@ TEST(Bsdf, SamplesHaveTheirDensity) {
 
 TEST(Bsdf, WeightsAreValuesOverDensities) {
   const std::vector<Vec3f> numbers = halton(500);
-  for (TestLobes lobes : white_lobes())
+  for (TestLobes lobes : white_lobes(0.05f))
     for (const float roughness : {0.05f, 0.3f, 1.0f}) {
       lobes.roughness = roughness;
       const Vec3f out = direction(0.6, 2);
@@ -302,7 +358,7 @@ TEST(Bsdf, WeightsAreValuesOverDensities) {
 TEST(Bsdf, IsReciprocal) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<double> unit(0, 1);
-  for (TestLobes lobes : white_lobes())
+  for (TestLobes lobes : white_lobes(0.1f))
     for (const float roughness : {0.1f, 0.5f, 1.0f}) {
       lobes.roughness = roughness;
       for (int i = 0; i < 50; ++i) {
@@ -310,6 +366,8 @@ TEST(Bsdf, IsReciprocal) {
         const Vec3f out = direction(0.05 + 0.95 * z1, a1);
         const Vec3f in = direction(z2 + (z2 < 0 ? -0.05 : 0.05) * (1 - std::abs(z2)), a2);
         const bool through = in.z < 0;
+        // Light that leaves glass does not meet its layers.
+        if (through && !lobes.thin && lobes.has_layers()) continue;
         const float there = evaluated(lobes, out, {in})[0].value / std::abs(in.z);
         const Vec3f side(1, 1, through ? -1 : 1);  // to the frame on the side of `in`
         const float back =

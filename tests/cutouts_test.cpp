@@ -117,10 +117,10 @@ TEST(Cutouts, AddToTransparentPrimitives) {
   scene.meshes.push_back(square(4, 0.05f, 1));
   EXPECT_NEAR(seen_through(scene), 0.3 * std::pow(1 - kAlpha, 2), 2e-3);
   const Scene lit = above_floor(scene);
-  EXPECT_NEAR(
-      red_mean(picture_of(lit, options_of(IntegratorKind::path, 64))) /
-          red_mean(picture_of(above_floor(with_sheets(0, 0)), options_of(IntegratorKind::path, 64))),
-      0.3 * std::pow(1 - kAlpha, 2), 2e-3);
+  EXPECT_NEAR(red_mean(picture_of(lit, options_of(IntegratorKind::path, 64))) /
+                  red_mean(picture_of(above_floor(with_sheets(0, 0)),
+                                      options_of(IntegratorKind::path, 64))),
+              0.3 * std::pow(1 - kAlpha, 2), 2e-3);
 }
 
 // Light with a direction of its own reaches the floor by shadow rays alone, whose share is exact.

@@ -513,6 +513,11 @@ TEST(Gltf, TexturesThatDoNotFitAreReported) {
             "a.gltf: left out: textures of specular (1: \"Paint\")\n"
             "a.gltf: left out: textures of clearcoat (2: \"Paint\")\n"
             "a.gltf: left out: textures of sheen (1: \"Paint\")\n");
+  EXPECT_EQ(surface_of(lost).coat, 0);  // else it would be everywhere
+  EXPECT_EQ(surface_of(R"({"extensions": {"KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1],
+      "sheenColorTexture": {"index": 0}}}})")
+                .sheen_color,
+            Rgb());
   // A mesh has the coordinates of one texture.
   const std::string_view moved = R"({"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness":
       {"metallicRoughnessTexture": {"index": 0, "texCoord": 2}},

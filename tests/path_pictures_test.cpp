@@ -148,10 +148,16 @@ TEST(PathPictures, ASlabAbsorbsAlongAllItsReflections) {
 // Triangles are sampled as lights, a polygon is found by reflected rays alone.
 TEST(PathPictures, BothWaysToFindALightAgree) {
   for (const float roughness : {0.2f, 0.5f, 1.0f})
-    for (const bool metal : {false, true}) {
+    for (const int kind : {0, 1, 2}) {
       Scene scene = under_square();
       scene.add_material({.color = Rgb(0.8f), .kd = 1, .ior = 1.5f});
-      scene.set_standard_surface({.metallic = metal ? 1.0f : 0.0f, .roughness = roughness});
+      scene.set_standard_surface({.metallic = kind == 1 ? 1.0f : 0.0f, .roughness = roughness});
+      if (kind == 2) {
+        StandardSurface& coated = scene.standard_surfaces[2];
+        coated.coat = 1, coated.coat_roughness = roughness;
+        coated.sheen_color = Rgb(0.5f), coated.sheen_roughness = roughness;
+        scene.standard_surfaces[1].coat = 1;
+      }
       scene.plane_materials = {2};
       Scene other = scene;
       add_square_mesh(scene, 3);
@@ -160,7 +166,7 @@ TEST(PathPictures, BothWaysToFindALightAgree) {
       const double two = mean_of(picture_of(scene, by_paths(if_sanitized(256, 1024), 2)));
       const double one = mean_of(picture_of(other, by_paths(if_sanitized(1024, 16384), 2)));
       EXPECT_GT(two, 0.05);
-      EXPECT_NEAR(two / one, 1, if_sanitized(3e-2, 5e-3)) << roughness << ' ' << metal;
+      EXPECT_NEAR(two / one, 1, if_sanitized(3e-2, 5e-3)) << roughness << ' ' << kind;
     }
 }
 
@@ -208,12 +214,19 @@ TEST(PathPictures, InstancesOfLightsEqualTheirTriangles) {
 Scene shining_scene(uint32_t seed) {
   Scene scene = tests::random_scene(60, seed);
   scene.standard_surfaces = {{.metallic = 0.5f, .roughness = 0.3f, .emission = Rgb(2)},
-                             {.roughness = 0.4f, .transmission = 0.7f, .is_thin = 1},
+                             {.roughness = 0.4f,
+                              .transmission = 0.7f,
+                              .is_thin = 1,
+                              .coat = 1,
+                              .sheen_color = {0.2f, 1, 0.6f},
+                              .sheen_roughness = 0.3f},
                              {.roughness = 0.2f,
                               .transmission = 1,
                               .is_thin = 0,
                               .attenuation_color = {0.5f, 1, 0.2f},
-                              .attenuation_distance = 1}};
+                              .attenuation_distance = 1,
+                              .coat = 0.5f,
+                              .coat_roughness = 0.3f}};
   return scene;
 }
 

@@ -65,6 +65,12 @@ TEST(Path, WhiteSurfacesKeepAllEnergy) {
       {"sheet of glass", with([](auto& s) { s.transmission = 1; })},
       {"glass", with([](auto& s) { s.transmission = 1, s.is_thin = 0; })},
       {"half glass", with([](auto& s) { s.transmission = 0.5f, s.is_thin = 0; })},
+      {"coated metal", with([](auto& s) { s.metallic = 1, s.coat = 1; })},
+      {"coated dielectric", with([](auto& s) { s.coat = 0.5f, s.coat_roughness = 0.5f; })},
+      {"coated glass", with([](auto& s) { s.transmission = 1, s.is_thin = 0, s.coat = 1; })},
+      {"sheen", with([](auto& s) { s.sheen_color = Rgb(1), s.sheen_roughness = 0.5f; })},
+      {"coated sheen",
+       with([](auto& s) { s.sheen_color = Rgb(1), s.sheen_roughness = 0.3f, s.coat = 1; })},
   };
   const int step = if_sanitized(5, 2);
   for (const Kind& kind : kinds)
@@ -80,11 +86,49 @@ TEST(Path, WhiteSurfacesKeepAllEnergy) {
 
 // Light that refracts into a ball leaves it.
 TEST(Path, ABallOfGlassIsNotVisibleInAWhiteWorld) {
-  Scene scene = floor_of({.color = Rgb(1), .kd = 1, .ior = 1.5f},
-                         {.roughness = 0, .transmission = 1, .is_thin = 0});
-  scene.planes = {}, scene.plane_materials = {};
-  scene.spheres = {{{0, 0, 0}, 0.5f}}, scene.sphere_materials = {0};
-  EXPECT_NEAR(mean(picture_of(scene, paths(64, 16))), 1, 1e-3);
+  for (const float coat : {0.0f, 1.0f}) {
+    Scene scene = floor_of({.color = Rgb(1), .kd = 1, .ior = 1.5f},
+                           {.roughness = 0, .transmission = 1, .is_thin = 0, .coat = coat});
+    scene.planes = {}, scene.plane_materials = {};
+    scene.spheres = {{{0, 0, 0}, 0.5f}}, scene.sphere_materials = {0};
+    EXPECT_NEAR(mean(picture_of(scene, paths(64, 16))), 1, 1e-3) << coat;
+  }
+}
+
+// Of a black surface under a smooth coat, only Fresnel's reflection is left, and of what it emits,
+// the rest. A perfect mirror below it reflects all the rest.
+TEST(Path, ASmoothCoatReflectsByFresnel) {
+  const double cosine = 1 / std::sqrt(5.0), behind = std::sqrt(1 - 0.8 / 2.25);
+  const double s = (cosine - 1.5 * behind) / (cosine + 1.5 * behind);
+  const double p = (1.5 * cosine - behind) / (1.5 * cosine + behind);
+  const double reflectance = (s * s + p * p) / 2;
+  const auto seen = [&](const StandardSurface& surface, float color) {
+    Scene scene = floor_of({.color = Rgb(color), .kd = 1, .ior = 1.5f}, surface);
+    scene.camera.fov_deg = 0.001f;
+    return mean(picture_of(scene, paths(1024, 2)));
+  };
+  EXPECT_NEAR(seen({.specular = 0, .coat = 1}, 0), reflectance, 1e-3);
+  EXPECT_NEAR(seen({.specular = 0, .coat = 0.5f}, 0), reflectance / 2, 1e-3);
+  EXPECT_NEAR(seen({.metallic = 1, .roughness = 0, .coat = 1}, 0.25f),
+              reflectance + (1 - reflectance) * (0.25 + 0.75 * std::pow(1 - cosine, 5)), 2e-3);
+  EXPECT_NEAR(seen({.specular = 0, .emission = Rgb(4), .coat = 1}, 0),
+              reflectance + 4 * (1 - reflectance), 2e-3);
+}
+
+// Sheen is bright at grazing angles, in its colour.
+TEST(Path, SheenHasItsColor) {
+  const auto seen = [](float height) {
+    Scene scene =
+        floor_of({.color = Rgb(0), .kd = 1},
+                 {.specular = 0, .sheen_color = {0.25f, 0.5f, 1}, .sheen_roughness = 0.4f});
+    scene.camera.from.z = height, scene.camera.fov_deg = 0.001f;
+    return picture_of(scene, paths(1024, 2)).pixels[0];
+  };
+  const Rgb above = seen(20), grazing = seen(0.2f);
+  EXPECT_NEAR(grazing.x / grazing.z, 0.25f, 1e-4f);
+  EXPECT_NEAR(grazing.y / grazing.z, 0.5f, 1e-4f);
+  EXPECT_GT(grazing.z, 0.5f);
+  EXPECT_LT(above.z, 0.05f);
 }
 
 // The law of Bouguer and Beer along a diameter.
@@ -204,7 +248,13 @@ TEST(Path, BouncesAddUp) {
 
 TEST(Path, OnePictureForAllThreadsAndInstructionSets) {
   Scene scene = tests::random_scene(40, 3);
-  scene.set_standard_surface({.metallic = 0.5f, .roughness = 0.3f, .emission = Rgb(2)});
+  scene.set_standard_surface({.metallic = 0.5f,
+                              .roughness = 0.3f,
+                              .emission = Rgb(2),
+                              .coat = 0.75f,
+                              .coat_roughness = 0.2f,
+                              .sheen_color = {0.5f, 0.75f, 0.25f},
+                              .sheen_roughness = 0.4f});
   RenderOptions options = paths(4, 8);
   options.width = 40, options.height = 30, options.soft_shadows = true;
   expect_one_picture(scene, options);

@@ -69,7 +69,7 @@ def main():
             if option in words:
                 at = words.index(option)
                 del words[at:at + 2]
-        words += ["--integrator", "path", "--samples", str(RAIO_SAMPLES)]
+        words += ["--integrator", "path", "--filter", "box", "--samples", str(RAIO_SAMPLES)]
         ours = raio_picture(arguments.raio.resolve(), words)
 
         # For each block and colour the sums of differences, of variances and of Raio's picture.

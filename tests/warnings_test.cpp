@@ -69,7 +69,8 @@ TEST(SceneWarnings, ReportMissingLights) {
 TEST(SceneWarnings, NameParametersThatAreNotShown) {
   Scene scene = tests::random_scene(3, 1);
   scene.standard_surfaces.assign(scene.materials.size(), {.is_standard = 0});
-  scene.standard_surfaces[0] = {.transmission = 0.5f, .emission = Rgb(1), .coat = 1};
+  scene.standard_surfaces[0] = {
+      .transmission = 0.5f, .emission = Rgb(1), .coat = 1, .sheen_color = Rgb(0.5f)};
   const auto sentence = [&](IntegratorKind integrator) {
     RenderOptions options;
     options.integrator = integrator;
@@ -78,8 +79,9 @@ TEST(SceneWarnings, NameParametersThatAreNotShown) {
     return std::string();
   };
   EXPECT_EQ(sentence(IntegratorKind::ambient),
-            "ambient does not show emission (1 material), transmission (1 material); path does");
-  EXPECT_EQ(sentence(IntegratorKind::path), "path does not show clearcoat (1 material)");
+            "ambient does not show emission (1 material), transmission (1 material), clearcoat (1 "
+            "material), sheen (1 material); path does");
+  EXPECT_EQ(sentence(IntegratorKind::path), "");
   EXPECT_EQ(sentence(IntegratorKind::views), "");
   scene.textures = {{0, 1, 1}}, scene.texels = {0xff8080};
   scene.standard_surfaces[0] = {.normal_texture = 0};

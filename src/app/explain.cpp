@@ -127,6 +127,8 @@ class TextTree {
     if (b.mirror != Rgb()) material += ", metal " + text_of(b.mirror);
     if (b.coat != Rgb()) material += ", dielectric " + text_of(b.coat);
     if (b.glass > 0) material += fmt::format(", glass {}", b.glass);
+    if (b.clearcoat > 0) material += fmt::format(", clear coat {}", b.clearcoat);
+    if (b.sheen != Rgb()) material += ", sheen " + text_of(b.sheen);
     line(in, "material", material + fmt::format(", roughness {}", b.roughness));
     if (b.transmittance != Rgb(1)) line(in, "medium", "transmits " + text_of(b.transmittance));
     if (b.emission != Rgb()) {

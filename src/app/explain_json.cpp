@@ -146,7 +146,8 @@ class JsonTree {
             {"geometric_normal", json_of(s.geometric)}, {"material", s.material},
             {"diffuse", json_of(r.bounce->diffuse)},    {"metal", json_of(r.bounce->mirror)},
             {"dielectric", json_of(r.bounce->coat)},    {"glass", plain(r.bounce->glass)},
-            {"roughness", plain(r.bounce->roughness)},  {"radiance", json_of(s.radiance)}};
+            {"roughness", plain(r.bounce->roughness)},  {"clearcoat", plain(r.bounce->clearcoat)},
+            {"sheen", json_of(r.bounce->sheen)},        {"radiance", json_of(s.radiance)}};
   }
   static Json bounce(const ExplainedRay::Bounce& b) {
     Json json{{"transmittance", json_of(b.transmittance)},

@@ -13,88 +13,13 @@
 
 #include <numbers>
 
-#include "integrate/energy.h"
-#include "integrate/tile-inl.h"
+#include "integrate/energy-inl.h"
+#include "integrate/microfacets-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
-HWY_INLINE V squared(V x) { return hn::Mul(x, x); }
-HWY_INLINE V clamp_unit(V x) { return hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, 1)); }
 HWY_INLINE V luminance(const V3& c) { return dot(c, set3(d, Vec3f(0.2126f, 0.7152f, 0.0722f))); }
-// (1 - x)^5.
-HWY_INLINE V schlick_weight(V cosine) {
-  const V x = clamp_unit(hn::Sub(hn::Set(d, 1), cosine)), x2 = squared(x);
-  return hn::Mul(squared(x2), x);
-}
-// Fresnel's equations for unpolarised light; 1 at total internal reflection. `eta`: the index of
-// refraction behind the surface relative to that in front.
-HWY_INLINE V dielectric_reflectance(V cosine, V eta) {
-  const V one = hn::Set(d, 1), zero = hn::Zero(d);
-  const V k = hn::Sub(one, hn::Div(hn::Sub(one, squared(cosine)), squared(eta)));
-  const V behind = hn::Sqrt(hn::Max(k, zero)), dense = hn::Mul(eta, cosine);
-  const V parallel = hn::Div(hn::Sub(dense, behind), hn::Add(dense, behind));
-  const V other = hn::Mul(eta, behind);
-  const V perpendicular = hn::Div(hn::Sub(cosine, other), hn::Add(cosine, other));
-  const V mean = hn::Mul(hn::Add(squared(parallel), squared(perpendicular)), hn::Set(d, 0.5f));
-  return hn::IfThenElse(hn::Gt(k, zero), mean, one);
-}
-
-// Looks up EnergyTables for the lanes' roughness.
-class WideEnergy {
- public:
-  // `smooth`: below EnergyTables::kSmoothest.
-  HWY_INLINE WideEnergy(const EnergyTables& tables, V roughness, M smooth)
-      : numbers_(tables.numbers()) {
-    constexpr float kRoot = EnergyTables::kSmoothestRoot;
-    constexpr auto kRough = float(EnergyTables::kRows - 2);
-    const V root = hn::Sub(hn::Sqrt(clamp_unit(roughness)), hn::Set(d, kRoot));
-    const V along = hn::Max(hn::Mul(root, hn::Set(d, kRough / (1 - kRoot))), hn::Zero(d));
-    const V whole = hn::Min(hn::Floor(along), hn::Set(d, kRough - 1));
-    row_ = hn::ConvertTo(di, hn::IfThenZeroElse(smooth, hn::Add(whole, hn::Set(d, 1))));
-    part_ = hn::IfThenZeroElse(smooth, hn::Sub(along, whole));
-    const V widest = hn::Set(d, EnergyTables::kWidest);
-    width2_ = hn::IfThenZeroElse(smooth, squared(hn::Min(squared(roughness), widest)));
-  }
-  // E at a cosine of 0 to 1, of the table at this offset.
-  HWY_INLINE V at(U table, V cosine) const {
-    constexpr auto kColumns = int32_t(EnergyTables::kColumns);
-    const V mu = clamp_unit(cosine), mu2 = squared(mu);
-    const V shadow = hn::Sqrt(hn::Add(hn::Mul(width2_, hn::Sub(hn::Set(d, 1), mu2)), mu2));
-    const V low = hn::Div(hn::Mul(mu, hn::Set(d, 1.5f)), hn::Add(mu, hn::Set(d, 0.5f)));
-    const V high = hn::Div(mu, hn::Max(shadow, hn::Set(d, 1e-30f)));
-    const V along = hn::Mul(hn::Add(low, high), hn::Set(d, float(kColumns - 1) / 2));
-    const V whole = hn::Min(hn::Floor(along), hn::Set(d, float(kColumns - 2)));
-    const V part = hn::Sub(along, whole);
-    const auto first = hn::Add(hn::BitCast(di, table), hn::Add(hn::Mul(row_, hn::Set(di, kColumns)),
-                                                               hn::ConvertTo(di, whole)));
-    const V top =
-        mix(hn::GatherIndex(d, numbers_, first), hn::GatherIndex(d, numbers_ + 1, first), part);
-    const V bottom = mix(hn::GatherIndex(d, numbers_ + kColumns, first),
-                         hn::GatherIndex(d, numbers_ + kColumns + 1, first), part);
-    return mix(top, bottom, part_);
-  }
-  // The average over the hemisphere.
-  HWY_INLINE V average(U table) const {
-    const auto first = hn::Add(hn::BitCast(di, table), row_);
-    constexpr auto kFirst = size_t(EnergyTables::kRows) * EnergyTables::kColumns;
-    return mix(hn::GatherIndex(d, numbers_ + kFirst, first),
-               hn::GatherIndex(d, numbers_ + kFirst + 1, first), part_);
-  }
-  // That of a perfectly smooth surface.
-  HWY_INLINE V smooth_average(U table) const {
-    constexpr auto kFirst = size_t(EnergyTables::kRows) * EnergyTables::kColumns;
-    return hn::GatherIndex(d, numbers_ + kFirst, hn::BitCast(di, table));
-  }
-
- private:
-  static constexpr Signed<D> di{};
-  static HWY_INLINE V mix(V a, V b, V part) { return hn::Add(a, hn::Mul(hn::Sub(b, a), part)); }
-
-  const float* numbers_;
-  hn::Vec<Signed<D>> row_;
-  V part_, width2_;
-};
 
 // The surface at a point, a sum of lobes.
 struct Lobes {
@@ -111,6 +36,12 @@ struct Lobes {
   M thin;         // glass is a sheet
   // Offsets of energy tables. For thin glass, those of glass are the conductor's.
   U conductor, reflection, front, back;
+  // Layers above all this: a clear coat, and sheen below it. 0: none.
+  V clearcoat, clearcoat_roughness;
+  V3 clearcoat_normal;
+  V3 sheen;
+  V sheen_roughness;
+  U layers;  // offset of tables
 };
 
 // The product of BSDF and |in.z|, and the density per solid angle with which sample() chooses `in`.
@@ -132,9 +63,34 @@ class Bsdf {
       : s_(lobes),
         out_(out),
         smooth_(hn::Lt(lobes.roughness, hn::Set(d, EnergyTables::kSmoothest))),
-        energy_(tables, lobes.roughness, smooth_) {
+        layered_(hn::Gt(hn::Max(lobes.clearcoat, largest(lobes.sheen)), hn::Zero(d))),
+        energy_(tables, lobes.roughness, smooth_, layered_),
+        layers_(tables, lobes.layers),
+        facets_(lobes.roughness, out, hn::Gt(lobes.glass, hn::Zero(d))) {
     const V one = hn::Set(d, 1), zero = hn::Zero(d);
-    alpha2_ = squared(squared(s_.roughness));
+    any_clearcoat_ = !hn::AllFalse(d, hn::Gt(s_.clearcoat, zero));
+    any_sheen_ = !hn::AllFalse(d, hn::Gt(largest(s_.sheen), zero));
+    any_layers_ = !hn::AllFalse(d, layered_);
+    below_out_ = sheen_out_ = one;
+    clearcoat_part_ = sheen_part_ = zero;
+    V below = one;  // on average
+    if (any_layers_) {
+      const WideFrame frame(s_.clearcoat_normal);
+      clearcoat_out_ = {dot(out, frame.u), dot(out, frame.v),
+                        hn::Max(dot(out, s_.clearcoat_normal), hn::Set(d, 1e-6f))};
+      const EnergyPlace place = layers_.place(clearcoat_out_.z);
+      below_out_ = hn::IfThenElse(layered_, layers_.at(EnergyTables::kBelow, place), one);
+      below = hn::IfThenElse(layered_, layers_.average(), one);
+      const V coat = hn::Sub(one, layers_.at(EnergyTables::kBelowCoat, place));
+      clearcoat_part_ = hn::IfThenElseZero(hn::Gt(s_.clearcoat, zero), coat);
+      if (any_sheen_) {
+        const EnergyPlace at = layers_.place(out.z);
+        sheen_out_ = layers_.at(EnergyTables::kSheen, at);
+        shadow_out_ = layers_.at(EnergyTables::kSheenShadow, at);
+        sheen_part_ =
+            hn::IfThenElseZero(layered_, hn::Sub(hn::Sub(one, below_out_), clearcoat_part_));
+      }
+    }
     any_glass_ = !hn::AllFalse(d, hn::Gt(s_.glass, zero));
     any_mirror_ = !hn::AllFalse(d, hn::Gt(s_.mirror_edge, zero));
     any_coat_ = !hn::AllFalse(d, hn::Gt(s_.cover, zero));
@@ -143,42 +99,48 @@ class Bsdf {
     const M equal = hn::Eq(s_.ior, one);
     clear_ = hn::AndNot(s_.thin, equal);
     cover_ = hn::IfThenZeroElse(equal, s_.cover);
-    base_out_ = base_scale_ = one;
+    base_out_ = below_out_, base_scale_ = one;
+    if (any_layers_) base_scale_ = hn::Div(one, below);
     if (any_coat_) {
       const V reflected = energy_.at(s_.reflection, out.z);
-      base_out_ = hn::Sub(one, hn::Mul(cover_, reflected));
-      base_scale_ = hn::Div(one, hn::Sub(one, hn::Mul(cover_, energy_.average(s_.reflection))));
+      base_out_ = hn::Sub(below_out_, hn::Mul(cover_, reflected));
+      base_scale_ = hn::Div(one, hn::Sub(below, hn::Mul(cover_, energy_.average(s_.reflection))));
       specular = hn::IfThenZeroElse(equal, hn::Mul(luminance(s_.coat), reflected));
     }
     rest = hn::Mul(luminance(s_.diffuse), base_out_);
     if (any_mirror_) {
       // All orders of scattering among microfacets, with the average reflectance of the metal.
-      const V average = energy_.average(s_.conductor), lost = hn::Sub(one, average);
-      missing_out_ = hn::Sub(one, energy_.at(s_.conductor, out.z));
+      V average = energy_.average(s_.conductor);
+      const V lost = hn::Sub(below, average);
+      V lost_part = lost;
+      if (any_layers_) average = hn::Div(average, below), lost_part = hn::Div(lost, below);
+      missing_out_ = missing_at(below_out_, s_.conductor, out.z);
       const V scale = hn::Div(s_.mirror_edge, hn::Max(hn::Mul(lost, s_.mirror_edge), kTiny()));
       const auto channel = [&](V f0) HWY_ATTR {
         const V f = hn::Div(hn::Add(hn::Mul(f0, hn::Set(d, 20)), s_.mirror_edge), hn::Set(d, 21));
         const V part = hn::Div(f, hn::Max(s_.mirror_edge, kTiny()));
-        return hn::Div(hn::Mul(hn::Mul(f, part), hn::Mul(average, scale)),
-                       hn::Sub(one, hn::Mul(hn::Min(part, one), lost)));  // colours may exceed 1
+        return hn::Div(
+            hn::Mul(hn::Mul(f, part), hn::Mul(average, scale)),
+            hn::Sub(one, hn::Mul(hn::Min(part, one), lost_part)));  // colours may exceed 1
       };
       missing_ = {channel(s_.mirror.x), channel(s_.mirror.y), channel(s_.mirror.z)};
-      specular = hn::Add(specular, luminance(mirror_at(out.z)));
+      specular = hn::Add(specular, hn::Mul(luminance(mirror_at(out.z)), below_out_));
       missing = hn::Mul(luminance(missing_), hn::Mul(missing_out_, lost));
     }
     V back = zero;
     if (any_glass_) {
       // Reciprocal, after Kulla and Conty: what glass lacks leaves diffusely on both sides.
-      const V lost_front = hn::Max(hn::Sub(one, energy_.average(s_.front)), kTiny());
-      const V lost_back = hn::Max(hn::Sub(one, energy_.average(s_.back)), kTiny());
+      const V lost_front = hn::Max(hn::Sub(below, energy_.average(s_.front)), kTiny());
+      const V below_behind = hn::IfThenElse(s_.thin, below, one);
+      const V lost_back = hn::Max(hn::Sub(below_behind, energy_.average(s_.back)), kTiny());
       const V ratio =
           hn::IfThenElse(s_.thin, one, hn::Div(hn::Mul(squared(s_.eta), lost_back), lost_front));
       const V part = hn::Sub(one, energy_.smooth_average(s_.reflection));
       const V through = hn::Mul(hn::Min(one, ratio), part);
-      glass_out_ = hn::IfThenZeroElse(clear_, hn::Sub(one, energy_.at(s_.front, out.z)));
+      glass_out_ = hn::IfThenZeroElse(clear_, missing_at(below_out_, s_.front, out.z));
       glass_reflected_ = hn::Div(hn::Mul(s_.glass, hn::Sub(one, through)), lost_front);
       glass_refracted_ = hn::Div(hn::Mul(s_.glass, through), lost_back);
-      specular = hn::Add(specular, s_.glass);
+      specular = hn::Add(specular, hn::Mul(s_.glass, below_out_));
       const V lacking = hn::Mul(s_.glass, glass_out_);
       back = hn::Mul(lacking, hn::Mul(through, luminance(s_.tint)));
       missing = hn::Add(missing, hn::Mul(lacking, hn::Sub(one, through)));
@@ -190,13 +152,61 @@ class Bsdf {
     // Half of what is missing.
     const V half = hn::Set(d, 0.5f);
     grazing_ = hn::IfThenElse(hn::Gt(rest, zero), hn::Mul(half, hn::Div(missing, rest)), half);
-    const V alpha = hn::Sqrt(alpha2_), slant = hn::Sqrt(hn::Add(one, alpha2_));
+    const V alpha2 = facets_.alpha2();
+    const V alpha = hn::Sqrt(alpha2), slant = hn::Sqrt(hn::Add(one, alpha2));
     grazing_scale_ = hn::Mul(half, hn::Div(hn::Mul(alpha, slant), hn::Sub(slant, alpha)));
-    bound_ = bound_of_normals();
   }
 
   // Of lobes with a density.
   HWY_INLINE BsdfValue evaluate(const V3& in) const {
+    if (!any_layers_) return base(in, hn::Set(d, 1));
+    const V clearcoat_in = dot(in, s_.clearcoat_normal);
+    const EnergyPlace place = layers_.place(hn::Abs(clearcoat_in));
+    const M above = hn::Gt(in.z, hn::Zero(d));
+    // Light that leaves solid glass does not meet the layers.
+    BsdfValue all =
+        base(in, hn::IfThenElse(hn::And(layered_, hn::Or(above, s_.thin)),
+                                layers_.at(EnergyTables::kBelow, place), hn::Set(d, 1)));
+    all.pdf = hn::Mul(all.pdf, base_part());
+    const V3 sum = out_ + in;
+    const V3 half = sum * hn::Div(hn::Set(d, 1), hn::Sqrt(hn::Max(dot(sum, sum), kTiny())));
+    if (any_clearcoat_) {
+      const M lit = hn::And(above, hn::Gt(clearcoat_in, hn::Zero(d)));
+      add_clearcoat(half, clearcoat_in, lit, all);
+    }
+    if (any_sheen_) add_sheen(half.z, hn::Abs(in.z), above, all);
+    return all;
+  }
+
+  // `square`: a point of the unit square; `choice`: a number in [0, 1).
+  HWY_INLINE BsdfSample sample(const Wide2<D>& square, V choice) const {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1);
+    const Wide2<D> disc = square_to_disc(d, square.x, square.y);
+    const V r2 = hn::Min(hn::Add(squared(disc.x), squared(disc.y)), one);
+    Proposal p = any_layers_ ? propose_layers(disc, r2, choice) : propose(disc, r2, choice);
+    V pdf = zero;
+    if (!hn::AllTrue(d, p.sharp)) {
+      const BsdfValue both = evaluate(p.in);
+      const M sound = hn::Gt(both.pdf, zero);
+      const V3 ratio =
+          both.value * hn::IfThenElseZero(sound, hn::Div(one, hn::Max(both.pdf, kTiny())));
+      p.weight = select(p.sharp, p.weight, ratio);
+      pdf = hn::IfThenZeroElse(p.sharp, both.pdf);
+    }
+    return {p.in, p.weight, pdf, hn::Lt(p.in.z, zero)};
+  }
+
+ private:
+  static HWY_INLINE V kTiny() { return hn::Set(d, 1e-30f); }
+
+  // A direction, which has no density if it is sharp, but a weight.
+  struct Proposal {
+    V3 in, weight;
+    M sharp;
+  };
+
+  // The value without the layers' own light. `below`: what the layers leave of light from `in`.
+  HWY_INLINE BsdfValue base(const V3& in, V below) const {
     const V zero = hn::Zero(d), one = hn::Set(d, 1);
     const V inverse_pi = hn::Set(d, float(1 / std::numbers::pi));
     const M above = hn::Gt(in.z, zero);
@@ -205,16 +215,18 @@ class Bsdf {
     V pdf = zero;
     // Diffuse lobes.
     if (!hn::AllFalse(d, above)) {
-      V base = hn::Mul(base_out_, base_scale_);
+      V diffuse = hn::Mul(base_out_, base_scale_);
       if (any_coat_)
-        base = hn::Mul(base, hn::Sub(one, hn::Mul(cover_, energy_.at(s_.reflection, cosine))));
-      V3 sum = s_.diffuse * base;
+        diffuse =
+            hn::Mul(diffuse, hn::Sub(below, hn::Mul(cover_, energy_.at(s_.reflection, cosine))));
+      else if (any_layers_)
+        diffuse = hn::Mul(diffuse, below);
+      V3 sum = s_.diffuse * diffuse;
       if (any_mirror_)
-        sum =
-            sum + missing_ * hn::Mul(missing_out_, hn::Sub(one, energy_.at(s_.conductor, cosine)));
+        sum = sum + missing_ * hn::Mul(missing_out_, missing_at(below, s_.conductor, cosine));
       if (any_glass_) {
-        const V glass = hn::Mul(hn::Mul(glass_reflected_, glass_out_),
-                                hn::Sub(one, energy_.at(s_.front, cosine)));
+        const V glass =
+            hn::Mul(hn::Mul(glass_reflected_, glass_out_), missing_at(below, s_.front, cosine));
         sum = sum + V3{glass, glass, glass};
       }
       value = select(above, sum * flat, value);
@@ -228,7 +240,7 @@ class Bsdf {
     const bool any_below = any_glass_ && !hn::AllTrue(d, above);
     if (any_below) {
       const V glass =
-          hn::Mul(hn::Mul(glass_refracted_, glass_out_), hn::Sub(one, energy_.at(s_.back, cosine)));
+          hn::Mul(hn::Mul(glass_refracted_, glass_out_), missing_at(below, s_.back, cosine));
       value = select(above, value, s_.tint * hn::Mul(glass, flat));
     }
     if (hn::AllTrue(d, smooth_) || hn::AllFalse(d, hn::Gt(specular_, zero))) return {value, pdf};
@@ -241,17 +253,13 @@ class Bsdf {
     const V out_half = dot(out_, half);
     const V in_half = hn::Add(hn::Add(hn::Mul(in.x, half.x), hn::Mul(in.y, half.y)),
                               hn::Mul(hn::IfThenElse(mirrored, cosine, in.z), half.z));
-    const V density = distribution(half.z);
+    const V density = facets_.distribution(half.z);
     const Reflectances r = reflectances(hn::Max(out_half, zero));
     const V part = through_part(r);
-    const V shadow_out = shadow(out_.z), shadow_in = shadow(cosine);
+    const V shadow_out = facets_.shadow(out_.z), shadow_in = facets_.shadow(cosine);
     // Reflection, also that of thin glass to the other side.
-    const V visible =
-        hn::Div(hn::Set(d, 0.5f),
-                hn::Max(hn::Add(hn::Mul(out_.z, shadow_in), hn::Mul(cosine, shadow_out)), kTiny()));
-    const V peak = hn::Mul(hn::Mul(density, visible), cosine);
-    const V reflected_pdf =
-        hn::Div(density, hn::Mul(hn::Set(d, 2), hn::Add(hn::Mul(bound_, out_.z), stretched_)));
+    const V peak = facets_.reflection(density, shadow_out, cosine, shadow_in);
+    const V reflected_pdf = facets_.reflection_pdf(density);
     V3 shiny = r.reflected * peak;
     V shiny_pdf = hn::Mul(reflected_pdf, hn::Sub(one, part));
     if (any_below) {
@@ -264,8 +272,7 @@ class Bsdf {
           hn::Add(lambda_and_half(shadow_out, out_.z), lambda_and_half(shadow_in, cosine));
       const V masked =
           hn::Div(hn::Mul(density, out_half), hn::Max(hn::Mul(out_.z, lambdas), kTiny()));
-      const V normal_pdf =
-          hn::Div(hn::Mul(hn::Mul(hn::Set(d, 2), out_half), density), hn::Add(out_.z, stretched_));
+      const V normal_pdf = facets_.normal_pdf(density, out_half);
       const M sound = hn::AndNot(clear_, hn::And(hn::Gt(out_half, zero), hn::Lt(in_half, zero)));
       const V refraction = hn::IfThenElseZero(sound, hn::Mul(masked, jacobian));
       const V refraction_pdf =
@@ -277,16 +284,15 @@ class Bsdf {
       shiny = select(above, shiny, set3(d, Rgb()));
       shiny_pdf = hn::IfThenElseZero(above, shiny_pdf);
     }
+    if (any_layers_) shiny = shiny * hn::Min(below_out_, below);
     const V3 sum = value + shiny;
     return {select(smooth_, value, sum),
             hn::IfThenElse(smooth_, pdf, hn::Add(hn::Mul(specular_, shiny_pdf), pdf))};
   }
 
-  // `square`: a point of the unit square; `choice`: a number in [0, 1).
-  HWY_INLINE BsdfSample sample(const Wide2<D>& square, V choice) const {
+  // A direction of the base. `choice` is below 1.
+  HWY_INLINE Proposal propose(const Wide2<D>& disc, V r2, V choice) const {
     const V zero = hn::Zero(d), one = hn::Set(d, 1);
-    const Wide2<D> disc = square_to_disc(d, square.x, square.y);
-    const V r2 = hn::Min(hn::Add(squared(disc.x), squared(disc.y)), one);
     const M specular = hn::Lt(choice, specular_);
     // Diffuse, on either side: proportional to the cosine, or more at grazing angles.
     const V left = hn::Div(hn::Sub(choice, specular_), hn::Max(hn::Sub(one, specular_), kTiny()));
@@ -307,7 +313,7 @@ class Bsdf {
     V3 weight = set3(d, Rgb());
     M sharp = hn::And(specular, smooth_);
     if (!hn::AllFalse(d, specular)) {
-      const V3 half = visible_normal(disc, r2);
+      const V3 half = select(smooth_, V3{zero, zero, one}, facets_.visible_normal(disc, r2));
       const V out_half = hn::Max(dot(out_, half), kTiny());
       const Reflectances r = reflectances(out_half);
       const V part = through_part(r);
@@ -330,20 +336,100 @@ class Bsdf {
       in = select(specular, dir, in);
       in = select(hn::And(specular, lost), set3(d, Rgb()), in);
     }
-    V pdf = zero;
-    if (!hn::AllTrue(d, sharp)) {
-      const BsdfValue both = evaluate(in);
-      const M sound = hn::Gt(both.pdf, zero);
-      const V3 ratio =
-          both.value * hn::IfThenElseZero(sound, hn::Div(one, hn::Max(both.pdf, kTiny())));
-      weight = select(sharp, weight, ratio);
-      pdf = hn::IfThenZeroElse(sharp, both.pdf);
-    }
-    return {in, weight, pdf, hn::Lt(in.z, zero)};
+    return {in, weight, sharp};
   }
 
- private:
-  static HWY_INLINE V kTiny() { return hn::Set(d, 1e-30f); }
+  // The part of samples that are of the base.
+  HWY_INLINE V base_part() const {
+    return hn::Sub(hn::Sub(hn::Set(d, 1), clearcoat_part_), sheen_part_);
+  }
+  HWY_INLINE M smooth_clearcoat() const {
+    return hn::Lt(s_.clearcoat_roughness, hn::Set(d, EnergyTables::kSmoothest));
+  }
+  static HWY_INLINE V clearcoat_reflectance(V cosine) {
+    return dielectric_reflectance(cosine, hn::Set(d, EnergyTables::kCoatIor));
+  }
+  HWY_INLINE Microfacets clearcoat() const {
+    return {s_.clearcoat_roughness, clearcoat_out_, hn::FirstN(d, 0)};
+  }
+
+  // `cosine`: of `in` and the clear coat's normal; `lit`: on its side.
+  HWY_INLINE void add_clearcoat(const V3& half, V cosine, M lit, BsdfValue& all) const {
+    const Microfacets facets = clearcoat();
+    const V density = facets.distribution(dot(half, s_.clearcoat_normal));
+    const V peak =
+        facets.reflection(density, facets.shadow(clearcoat_out_.z), cosine, facets.shadow(cosine));
+    const M rough = hn::AndNot(smooth_clearcoat(), lit);
+    const V part = hn::Mul(s_.clearcoat, clearcoat_reflectance(hn::Max(dot(out_, half), kTiny())));
+    const V value = hn::IfThenElseZero(rough, hn::Mul(part, peak));
+    all.value = all.value + V3{value, value, value};
+    const V pdf = hn::IfThenElseZero(rough, facets.reflection_pdf(density));
+    all.pdf = hn::Add(all.pdf, hn::Mul(clearcoat_part_, pdf));
+  }
+
+  // Conty Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF".
+  HWY_INLINE void add_sheen(V half, V cosine, M above, BsdfValue& all) const {
+    const EnergyPlace place = layers_.place(cosine);
+    const V one = hn::Set(d, 1), half_one = hn::Set(d, 0.5f);
+    const V slope = hn::Max(s_.sheen_roughness, hn::Set(d, EnergyTables::kLeastSheen));
+    const V steep = hn::Div(one, squared(slope));
+    const V density = hn::Mul(
+        hn::Mul(hn::Add(steep, hn::Set(d, 2)), hn::Set(d, float(0.5 / std::numbers::pi))),
+        pow_unit(d, hn::Max(hn::Sub(one, squared(half)), hn::Zero(d)), hn::Mul(steep, half_one)));
+    const V shadow_in = layers_.at(EnergyTables::kSheenShadow, place);
+    const V g_out = hn::Mul(shadow_out_, out_.z), g_in = hn::Mul(shadow_in, cosine);
+    const V both = hn::Mul(hn::Set(d, 4), hn::Sub(hn::Add(g_out, g_in), hn::Mul(g_out, g_in)));
+    const V visible = hn::Div(hn::Mul(shadow_out_, shadow_in), hn::Max(both, kTiny()));
+    const V scale = hn::Min(sheen_out_, layers_.at(EnergyTables::kSheen, place));
+    const V value = hn::Mul(hn::Mul(density, visible), hn::Mul(scale, cosine));
+    all.value = all.value + s_.sheen * hn::IfThenElseZero(above, value);
+    const V pdf = hn::Div(hn::Set(d, float(2 / std::numbers::pi)),
+                          hn::Sqrt(hn::Add(one, hn::Mul(cosine, hn::Set(d, 48)))));
+    all.pdf = hn::Add(all.pdf, hn::Mul(sheen_part_, hn::IfThenElseZero(above, pdf)));
+  }
+
+  // A direction of the layers or of the base.
+  HWY_INLINE Proposal propose_layers(const Wide2<D>& disc, V r2, V choice) const {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1);
+    const V layers = hn::Add(clearcoat_part_, sheen_part_);
+    const V rest = hn::Div(hn::Sub(choice, layers), hn::Max(base_part(), kTiny()));
+    Proposal p = propose(disc, r2, hn::Min(hn::Max(rest, zero), hn::Set(d, 1 - 0x1p-24f)));
+    // Sharp rays of the base have the same cosine on both sides.
+    p.weight = p.weight * hn::Div(below_out_, hn::Max(base_part(), kTiny()));
+    const M coat = hn::Lt(choice, clearcoat_part_),
+            sheen = hn::AndNot(coat, hn::Lt(choice, layers));
+    if (any_clearcoat_) {
+      const V3 half =
+          select(smooth_clearcoat(), V3{zero, zero, one}, clearcoat().visible_normal(disc, r2));
+      const V out_half = dot(clearcoat_out_, half);
+      const V3 dir = half * hn::Add(out_half, out_half) - clearcoat_out_;
+      const WideFrame frame(s_.clearcoat_normal);
+      const V3 in = frame.u * dir.x + frame.v * dir.y + s_.clearcoat_normal * dir.z;
+      const M lost = hn::Lt(hn::Min(dir.z, in.z), zero);
+      p.in = select(coat, select(lost, set3(d, Rgb()), in), p.in);
+      const V part = hn::Mul(s_.clearcoat, clearcoat_reflectance(out_half));
+      const V weight = hn::Div(part, hn::Max(clearcoat_part_, kTiny()));
+      p.weight = select(coat, V3{weight, weight, weight}, p.weight);
+      p.sharp = hn::Or(hn::And(coat, smooth_clearcoat()), hn::AndNot(coat, p.sharp));
+    }
+    if (any_sheen_) {
+      // Denser near the horizon: z = (t + 3 t^2) / 4 for an even t.
+      const V t = hn::Sub(one, r2), slant = hn::Add(one, hn::Mul(t, hn::Set(d, 3)));
+      const V z = hn::Mul(hn::Mul(t, slant), hn::Set(d, 0.25f));
+      const V around = hn::Mul(hn::Sqrt(hn::Mul(hn::Add(slant, hn::Set(d, 3)), hn::Add(one, z))),
+                               hn::Set(d, 0.5f));
+      p.in = select(sheen, V3{hn::Mul(disc.x, around), hn::Mul(disc.y, around), z}, p.in);
+      p.sharp = hn::AndNot(sheen, p.sharp);
+    }
+    return p;
+  }
+
+  // What microfacets lack of `left`, the light below layers. Smooth surfaces there lack nothing.
+  HWY_INLINE V missing_at(V left, U table, V cosine) const {
+    const V missing = hn::Sub(left, energy_.at(table, cosine));
+    if (!any_layers_) return missing;
+    return hn::IfThenZeroElse(hn::And(layered_, smooth_), hn::Max(missing, hn::Zero(d)));
+  }
 
   struct Reflectances {
     V3 reflected;  // of all lobes
@@ -376,18 +462,6 @@ class Bsdf {
     return hn::Div(through, hn::Max(hn::Add(through, luminance(r.reflected)), kTiny()));
   }
 
-  // GGX: Trowbridge and Reitz 1975.
-  HWY_INLINE V distribution(V cosine) const {
-    const V one = hn::Set(d, 1), c2 = squared(cosine);
-    const V t = hn::Add(hn::Mul(c2, alpha2_), hn::Sub(one, c2));
-    return hn::Div(alpha2_,
-                   hn::Max(hn::Mul(hn::Set(d, float(std::numbers::pi)), squared(t)), kTiny()));
-  }
-  // (1 + 2 Lambda) cosine, of Smith's masking.
-  HWY_INLINE V shadow(V cosine) const {
-    const V c2 = squared(cosine);
-    return hn::Sqrt(hn::Add(alpha2_, hn::Mul(hn::Sub(hn::Set(d, 1), alpha2_), c2)));
-  }
   // Lambda + 1/2.
   static HWY_INLINE V lambda_and_half(V shadow, V cosine) {
     return hn::Div(shadow, hn::Max(hn::Add(cosine, cosine), kTiny()));
@@ -395,59 +469,38 @@ class Bsdf {
   // Smooth surfaces lack light mostly at cosines of about alpha, so half of the rays that stand for
   // it have the density (cosine / pi) grazing(cosine). Without them, rare rays would be too bright.
   HWY_INLINE V grazing(V cosine) const {
-    const V sum = hn::Max(hn::Add(squared(cosine), alpha2_), kTiny());
+    const V sum = hn::Max(hn::Add(squared(cosine), facets_.alpha2()), kTiny());
     return hn::Div(grazing_scale_, hn::Mul(sum, hn::Sqrt(sum)));
   }
   // The square of the cosine below which the part `u` of them is.
   HWY_INLINE V grazing_square(V u) const {
-    const V one = hn::Set(d, 1), alpha = hn::Max(hn::Sqrt(alpha2_), hn::Set(d, 1e-6f));
+    const V one = hn::Set(d, 1), alpha2 = facets_.alpha2();
+    const V alpha = hn::Max(hn::Sqrt(alpha2), hn::Set(d, 1e-6f));
     const V steep = hn::Div(one, alpha);
-    const V flat = hn::Div(one, hn::Sqrt(hn::Add(one, alpha2_)));
+    const V flat = hn::Div(one, hn::Sqrt(hn::Add(one, alpha2)));
     const V root = hn::Sub(steep, hn::Mul(u, hn::Sub(steep, flat)));
-    return clamp_unit(hn::Sub(hn::Div(one, squared(root)), alpha2_));
+    return clamp_unit(hn::Sub(hn::Div(one, squared(root)), alpha2));
   }
-  // If nothing is transmitted, normals that reflect the ray below the surface are left out where
-  // possible: Tokuyoshi and Eto 2024, "Bounded VNDF Sampling for the Smith-GGX BRDF".
-  HWY_INLINE V bound_of_normals() {
-    const V one = hn::Set(d, 1);
-    const V sine2 = hn::Add(squared(out_.x), squared(out_.y));
-    stretched_ = hn::Sqrt(hn::Add(hn::Mul(alpha2_, sine2), squared(out_.z)));
-    const V s2 = squared(hn::Add(one, hn::Sqrt(sine2)));
-    const V bound =
-        hn::Div(hn::Mul(hn::Sub(one, alpha2_), s2), hn::Add(s2, hn::Mul(alpha2_, squared(out_.z))));
-    return hn::IfThenElse(hn::Gt(s_.glass, hn::Zero(d)), one, bound);
-  }
-  // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps", with a square root
-  // instead of trigonometric functions.
-  HWY_INLINE V3 visible_normal(const Wide2<D>& disc, V r2) const {
-    const V one = hn::Set(d, 1), alpha = squared(s_.roughness);
-    const V3 stretched = V3{hn::Mul(alpha, out_.x), hn::Mul(alpha, out_.y), out_.z} *
-                         hn::Div(one, hn::Max(stretched_, kTiny()));
-    const V lowest = hn::Mul(bound_, stretched.z);
-    const V z = hn::Sub(hn::Mul(hn::Sub(one, r2), hn::Add(one, lowest)), lowest);
-    const V scale = hn::Sqrt(hn::Mul(hn::Add(one, lowest), hn::Max(hn::Add(one, z), hn::Zero(d))));
-    const V3 cap = {hn::Add(hn::Mul(disc.x, scale), stretched.x),
-                    hn::Add(hn::Mul(disc.y, scale), stretched.y), hn::Add(z, stretched.z)};
-    const V3 normal = normalize(
-        d, V3{hn::Mul(alpha, cap.x), hn::Mul(alpha, cap.y), hn::Max(cap.z, hn::Set(d, 1e-20f))});
-    return select(smooth_, V3{hn::Zero(d), hn::Zero(d), one}, normal);
-  }
-
   const Lobes& s_;
   const V3 out_;
   const M smooth_;
   M clear_;  // glass is invisible
   V cover_;  // 0 if the index of refraction is 1
+  const M layered_;
   const WideEnergy energy_;
-  V alpha2_;
+  const WideLayers layers_;
+  const Microfacets facets_;
   bool any_glass_, any_mirror_, any_coat_;
-  V base_out_, base_scale_;  // of the diffuse base
-  V missing_out_;            // of the mirror
+  bool any_clearcoat_, any_sheen_, any_layers_;
+  V3 clearcoat_out_;                      // in its frame
+  V below_out_, sheen_out_, shadow_out_;  // of layers, for `out`
+  V clearcoat_part_, sheen_part_;         // probabilities of sample()
+  V base_out_, base_scale_;               // of the diffuse base
+  V missing_out_;                         // of the mirror
   V3 missing_;
   V glass_out_, glass_reflected_, glass_refracted_;
   V specular_, back_;  // probabilities of sample()
   V grazing_, grazing_scale_;
-  V bound_, stretched_;
 };
 
 }  // namespace raio::core::HWY_NAMESPACE

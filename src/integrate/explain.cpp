@@ -142,6 +142,8 @@ class RayRecorder final : public Recorder {
                                       .coat = lane(b.lobes.coat, k),
                                       .glass = lane(b.lobes.glass, k),
                                       .roughness = lane(b.lobes.roughness, k),
+                                      .clearcoat = lane(b.lobes.clearcoat, k),
+                                      .sheen = lane(b.lobes.sheen, k),
                                       .transmittance = lane(b.transmittance, k),
                                       .emission = lane(b.emission, k),
                                       .emission_weight = lane(b.emission_weight, k),

@@ -51,6 +51,8 @@ struct ExplainedRay {
     Rgb diffuse, mirror, coat;  // albedo, reflectances of metal and of a dielectric
     float glass = 0;            // the part that reflects and refracts like glass
     float roughness = 0;
+    float clearcoat = 0;
+    Rgb sheen{};
     Rgb transmittance{1};  // of the medium that the ray has crossed
     Rgb emission{};
     float emission_weight = 0;

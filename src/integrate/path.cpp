@@ -110,6 +110,7 @@ class PathShading final : public Shading {
       const Materials materials(path_.materials, v.material + i);
       const V3 dir = directions(w.rays().rays, i), geometric = load(v.geometric, i);
       const V side = load(v.side, i);
+      const V3 smooth = load(v.normal, i);
       if (goes_on && path_.any_normal_maps) tilt_normals(w, materials, i, n);
       V3 normal = load(v.normal, i);
       const M tilted = hn::Ge(dot(normal, dir), hn::Set(d, -1e-4f));
@@ -122,7 +123,13 @@ class PathShading final : public Shading {
       const V3 to_eye = -dir;
       const V3 out = {dot(to_eye, frame.u), dot(to_eye, frame.v),
                       hn::Max(dot(to_eye, normal), hn::Set(d, 1e-6f))};
-      const Lobes lobes = lobes_of(w, materials, i, side);
+      Lobes lobes = lobes_of(w, materials, i, side);
+      if (path_.any_layers && path_.any_normal_maps) {
+        // Clear coats have no normal map.
+        const M hidden = hn::Ge(dot(smooth, dir), hn::Set(d, -1e-4f));
+        const V3 own = select(hidden, geometric, smooth);
+        lobes.clearcoat_normal = {dot(own, frame.u), dot(own, frame.v), dot(own, normal)};
+      }
       const Bsdf bsdf(lobes, out, path_.energy);
       const U place = w.place_of(load(w.rays().pixel, i)), branch = load(w.rays().branch, i);
       LightRays light{};
@@ -290,6 +297,11 @@ class PathShading final : public Shading {
                            hn::Gt(materials.number(&PathMaterial::is_two_sided), zero));
     const M shines = hn::And(hn::And(in, front), hn::Gt(largest(light), zero));
     if (hn::AllFalse(d, shines)) return {set3(d, Rgb()), zero, zero};
+    if (path_.any_layers) {
+      const V cosine = dot(load(w.points().geometric, i), directions(w.rays().rays, i));
+      light = light * through_coat(materials.number(&PathMaterial::clearcoat),
+                                   materials.whole(&PathMaterial::layers), cosine);
+    }
     HWY_ALIGN float share[kWidth], others[kWidth] = {}, bits[3][kWidth];
     hn::Store(hn::IfThenElseZero(shines, hn::Set(d, 1)), d, share);
     hn::Store(light.x, d, bits[0]), hn::Store(light.y, d, bits[1]), hn::Store(light.z, d, bits[2]);
@@ -316,6 +328,13 @@ class PathShading final : public Shading {
             hn::Load(d, share)};
   }
 
+  // The part of the light that shines through clear coats, at a cosine of either sign.
+  HWY_INLINE V through_coat(V clearcoat, U tables, V cosine) const {
+    const WideLayers layers(path_.energy, tables);
+    const V left = layers.at(EnergyTables::kBelowCoat, layers.place(hn::Abs(cosine)));
+    return hn::IfThenElse(hn::Gt(clearcoat, hn::Zero(d)), left, hn::Set(d, 1));
+  }
+
   // Per solid angle, of a point of the triangle that is sampled evenly by area.
   static float density_of(const TriangleLight& t, Vec3f dir, float distance) {
     const float cosine = std::abs(dot(dir, t.normal));
@@ -340,21 +359,46 @@ class PathShading final : public Shading {
                             HWY_ATTR { return hn::IfThenElse(hn::RebindMask(du, outside), a, b); };
     const U entering = materials.whole(&PathMaterial::entering);
     const U leaving = materials.whole(&PathMaterial::leaving);
-    return {.diffuse = base * hn::Mul(opaque, materials.number(&PathMaterial::diffuse)),
-            .mirror = base * metallic + mirror,
-            .mirror_edge = hn::Add(metallic, largest(mirror)),
-            .coat = specular * opaque,
-            .cover = largest(specular),
-            .glass = hn::Mul(rest, transmission),
-            .tint = base + (set3(d, Rgb(1)) - base) * white,
-            .roughness = roughness,
-            .ior = ior,
-            .eta = hn::IfThenElse(outside, ior, hn::Div(one, ior)),
-            .thin = hn::Gt(materials.number(&PathMaterial::is_thin), zero),
-            .conductor = materials.whole(&PathMaterial::conductor),
-            .reflection = materials.whole(&PathMaterial::reflection),
-            .front = either(entering, leaving),
-            .back = either(leaving, entering)};
+    Lobes lobes = {.diffuse = base * hn::Mul(opaque, materials.number(&PathMaterial::diffuse)),
+                   .mirror = base * metallic + mirror,
+                   .mirror_edge = hn::Add(metallic, largest(mirror)),
+                   .coat = specular * opaque,
+                   .cover = largest(specular),
+                   .glass = hn::Mul(rest, transmission),
+                   .tint = base + (set3(d, Rgb(1)) - base) * white,
+                   .roughness = roughness,
+                   .ior = ior,
+                   .eta = hn::IfThenElse(outside, ior, hn::Div(one, ior)),
+                   .thin = hn::Gt(materials.number(&PathMaterial::is_thin), zero),
+                   .conductor = materials.whole(&PathMaterial::conductor),
+                   .reflection = materials.whole(&PathMaterial::reflection),
+                   .front = either(entering, leaving),
+                   .back = either(leaving, entering),
+                   .clearcoat = zero,
+                   .clearcoat_roughness = zero,
+                   .clearcoat_normal = set3(d, Vec3f(0, 0, 1)),
+                   .sheen = set3(d, Rgb()),
+                   .sheen_roughness = zero,
+                   .layers = hn::Zero(du)};
+    if (path_.any_layers) add_layers(materials, outside, lobes);
+    return lobes;
+  }
+
+  // Inside solid glass, the surface has none.
+  static HWY_INLINE void add_layers(const Materials& materials, M outside, Lobes& lobes) {
+    const V zero = hn::Zero(d);
+    const M above = hn::Or(hn::Or(outside, lobes.thin), hn::Eq(lobes.glass, zero));
+    const auto either = [&](uint32_t PathMaterial::* member, U& other) HWY_ATTR {
+      other = hn::IfThenElse(hn::RebindMask(du, above), other, materials.whole(member));
+    };
+    lobes.clearcoat = hn::IfThenElseZero(above, materials.number(&PathMaterial::clearcoat));
+    lobes.clearcoat_roughness = materials.number(&PathMaterial::clearcoat_roughness);
+    lobes.sheen = select(above, materials.color(&PathMaterial::sheen), set3(d, Rgb()));
+    lobes.sheen_roughness = materials.number(&PathMaterial::sheen_roughness);
+    lobes.layers = materials.whole(&PathMaterial::layers);
+    either(&PathMaterial::inner_conductor, lobes.conductor);
+    either(&PathMaterial::inner_reflection, lobes.reflection);
+    either(&PathMaterial::inner_entering, lobes.back);
   }
 
   void scale_by_textures(const Wavefront& w, const Materials& materials, size_t i, V& metallic,
@@ -445,6 +489,8 @@ class PathShading final : public Shading {
     const V b1 = hn::IfThenElse(upper, least, most), b2 = hn::IfThenElse(upper, most, least);
     enum : uint8_t { kCorner, kEdge1, kEdge2, kNormal, kEmission, kVectors };
     HWY_ALIGN float at[kVectors][3][kWidth] = {}, area[kWidth] = {}, two_sided[kWidth] = {};
+    HWY_ALIGN float clearcoat[kWidth] = {};
+    HWY_ALIGN uint32_t layers[kWidth] = {};
     HWY_ALIGN float b[2][kWidth];
     hn::Store(b1, d, b[0]), hn::Store(b2, d, b[1]);
     for (uint32_t left = lanes; left; left &= left - 1) {
@@ -455,15 +501,18 @@ class PathShading final : public Shading {
       for (size_t j = 0; j < kVectors; ++j)
         for (size_t c = 0; c < 3; ++c) at[j][c][k] = (*vectors[j])[int(c)];
       area[k] = t.area, two_sided[k] = t.is_two_sided;
+      if (path_.any_layers) {
+        const PathMaterial& material = path_.materials[t.material];
+        clearcoat[k] = material.clearcoat, layers[k] = material.layers;
+      }
       const bool is_textured = t.emission_texture != kNoTexture;
-      const MaterialId material = t.geometry->facet(t.triangle).material;
-      const bool is_cut = scene_.scene.has_cutouts(material);
+      const bool is_cut = scene_.scene.has_cutouts(t.material);
       if (!is_textured && !is_cut) continue;
       const Uv uv = texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]);
       Rgb part(1);
       if (is_textured) part = texture_color(scene_.scene, t.emission_texture, uv);
       if (is_cut)
-        part = part * opacity_at(scene_.scene, material, uv, scene_.settings.accel.opacity);
+        part = part * opacity_at(scene_.scene, t.material, uv, scene_.settings.accel.opacity);
       for (size_t c = 0; c < 3; ++c) at[kEmission][c][k] *= part[int(c)];
     }
     const auto vector = [&](size_t j) HWY_ATTR {
@@ -480,7 +529,10 @@ class PathShading final : public Shading {
     const V inverse = hn::IfThenElseZero(hn::Gt(density, zero), hn::Div(one, density));
     // Ends just short of the light, by the possible rounding of point and direction.
     const V length = hn::Mul(distance, hn::Set(d, 1 - 16 * std::numeric_limits<float>::epsilon()));
-    return {dir, vector(kEmission) * inverse, length, density};
+    V3 radiance = vector(kEmission) * inverse;
+    if (path_.any_layers)
+      radiance = radiance * through_coat(hn::Load(d, clearcoat), hn::Load(du, layers), cosine);
+    return {dir, radiance, length, density};
   }
 
   const PreparedScene& scene_;

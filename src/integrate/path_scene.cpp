@@ -43,10 +43,42 @@ PathMaterial mapped(const Material& m, const StandardSurface& s) {
   if (s.is_unlit) out.diffuse = out.metallic = out.transmission = 0, out.specular = Rgb(0);
   out.emission = s.emission, out.is_two_sided = float(s.is_two_sided);
   out.normal_scale = s.normal_scale;
+  if (!s.is_unlit) {
+    out.clearcoat = s.coat, out.clearcoat_roughness = s.coat_roughness;
+    for (int c = 0; c < 3; ++c) out.sheen[c] = std::min(s.sheen_color[c], 1.0f);
+    out.sheen_roughness = s.sheen_roughness;
+  }
   out.metallic_roughness_texture = s.metallic_roughness_texture;
   out.normal_texture = s.normal_texture, out.emission_texture = s.emission_texture;
   out.transmission_texture = s.transmission_texture;
   return out;
+}
+
+EnergyTables::Layers layers_of(const PathMaterial& m) {
+  return {m.clearcoat, m.clearcoat_roughness, max_component(m.sheen), m.sheen_roughness};
+}
+
+void set_tables(PathMaterial& m, EnergyTables& energy) {
+  const EnergyTables::Layers layers = layers_of(m);
+  if (layers.any()) m.layers = energy.layers(layers);
+  const bool is_metal = m.metallic == 1 && m.metallic_roughness_texture == kNoTexture;
+  const bool has_interface = m.transmission > 0 || max_component(m.specular) > 0;
+  const bool is_dielectric = m.ior != 1 && has_interface && !is_metal;
+  // Computing tables takes longer than tracing a small picture.
+  const bool is_mirror = m.metallic > 0 || max_component(m.mirror) > 0;
+  const bool needs_conductor = is_mirror || !is_dielectric || (m.is_thin > 0 && m.transmission > 0);
+  const auto set = [&](const EnergyTables::Layers& above) {
+    m.conductor = energy.conductor(needs_conductor ? above : EnergyTables::Layers());
+    m.reflection = m.entering = m.leaving = m.conductor;
+    if (!is_dielectric) return;
+    const auto tables = energy.dielectric(m.ior, above, m.transmission > 0);
+    m.reflection = tables.reflection;
+    if (m.is_thin == 0) m.entering = tables.entering, m.leaving = tables.leaving;
+  };
+  set({});
+  m.inner_conductor = m.conductor, m.inner_reflection = m.reflection;
+  m.inner_entering = m.entering;
+  if (layers.any()) set(layers);
 }
 
 uint64_t key_of(InstanceId instance, PrimitiveId primitive) {
@@ -125,7 +157,7 @@ void PathLights::add_triangles(const Geometry& geometry, const std::vector<Place
     const uint32_t depth = geometry.depth_of(PrimitiveKind::triangle, i);
     light.emission = surface->emission * (depth == kOpaque ? 1 : 1 - passed(depth));
     light.is_two_sided = float(surface->is_two_sided);
-    light.triangle = i, light.geometry = &geometry;
+    light.triangle = i, light.geometry = &geometry, light.material = material;
     light.emission_texture = surface->emission_texture;
     if (!(light.area > 0)) continue;
     numbers_.emplace_back(key_of(instance, geometry.id_of(PrimitiveKind::triangle, i)),
@@ -181,18 +213,8 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
         surface && (out.metallic_roughness_texture != kNoTexture ||
                     out.emission_texture != kNoTexture || out.transmission_texture != kNoTexture);
     any_normal_maps |= out.normal_texture != kNoTexture;
-    out.conductor = energy.conductor();
-    const bool is_metal = out.metallic == 1 && out.metallic_roughness_texture == kNoTexture;
-    const bool has_interface = out.transmission > 0 || max_component(out.specular) > 0;
-    if (out.ior != 1 && has_interface && !is_metal) {
-      const auto tables = energy.dielectric(out.ior);
-      const bool is_thin = out.is_thin > 0;
-      out.reflection = tables.reflection;
-      out.entering = is_thin ? out.conductor : tables.entering;
-      out.leaving = is_thin ? out.conductor : tables.leaving;
-    } else {
-      out.reflection = out.entering = out.leaving = out.conductor;
-    }
+    set_tables(out, energy);
+    any_layers |= layers_of(out).any();
     materials.push_back(out);
   }
 }

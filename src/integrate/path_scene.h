@@ -28,7 +28,12 @@ struct PathMaterial {
   Rgb emission;
   float is_two_sided = 1;
   float normal_scale = 1;
-  uint32_t conductor = 0, reflection = 0, entering = 0, leaving = 0;  // EnergyTables
+  float clearcoat = 0, clearcoat_roughness = 0;
+  Rgb sheen;
+  float sheen_roughness = 0;
+  // EnergyTables; `inner`: of the surface without layers, seen from inside glass.
+  uint32_t conductor = 0, reflection = 0, entering = 0, leaving = 0;
+  uint32_t layers = 0, inner_conductor = 0, inner_reflection = 0, inner_entering = 0;
   uint32_t metallic_roughness_texture = kNoTexture, normal_texture = kNoTexture,
            emission_texture = kNoTexture, transmission_texture = kNoTexture;
 };
@@ -42,6 +47,7 @@ struct TriangleLight {
   float area = 0;
   float is_two_sided = 0;
   uint32_t triangle = 0;  // its index in `geometry`
+  MaterialId material = 0;
   const Geometry* geometry = nullptr;
   uint32_t emission_texture = kNoTexture;
 };
@@ -97,6 +103,7 @@ struct PathScene {
   PathLights lights;
   bool any_textures = false;  // besides those of base colours and normals
   bool any_normal_maps = false;
+  bool any_layers = false;
 };
 
 }  // namespace raio::core

@@ -12,19 +12,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
-// Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
-struct WideFrame {
-  V3 u, v;
-
-  explicit HWY_INLINE WideFrame(const V3& n) {
-    const V one = hn::Set(d, 1), sign = hn::CopySign(one, n.z);
-    const V a = hn::Neg(hn::Div(one, hn::Add(sign, n.z))), b = hn::Mul(hn::Mul(n.x, n.y), a);
-    u = {hn::Add(one, hn::Mul(hn::Mul(hn::Mul(sign, n.x), n.x), a)), hn::Mul(sign, b),
-         hn::Neg(hn::Mul(sign, n.x))};
-    v = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
-  }
-};
-
 // Rays that are not in `mask` count as unlit.
 HWY_INLINE void put_ray(RayBatch& rays, size_t i, const V3& origin, const V3& dir, V tmax, M mask) {
   hn::Store(origin.x, d, &rays.ox[i]), hn::Store(origin.y, d, &rays.oy[i]);

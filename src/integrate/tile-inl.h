@@ -34,6 +34,19 @@ using M = hn::Mask<D>;
 using V3 = Wide3<D>;
 inline constexpr size_t kWidth = hn::MaxLanes(D());
 
+// Two unit vectors perpendicular to n and each other, as Frame in base/vec.h.
+struct WideFrame {
+  V3 u, v;
+
+  explicit HWY_INLINE WideFrame(const V3& n) {
+    const V one = hn::Set(d, 1), sign = hn::CopySign(one, n.z);
+    const V a = hn::Neg(hn::Div(one, hn::Add(sign, n.z))), b = hn::Mul(hn::Mul(n.x, n.y), a);
+    u = {hn::Add(one, hn::Mul(hn::Mul(hn::Mul(sign, n.x), n.x), a)), hn::Mul(sign, b),
+         hn::Neg(hn::Mul(sign, n.x))};
+    v = {b, hn::Add(sign, hn::Mul(hn::Mul(n.y, n.y), a)), hn::Neg(n.y)};
+  }
+};
+
 // Rays traced at a time. Bounds the memory of the ray tree: a level with this many rays goes before
 // others, so none ever holds more than these and the children of another chunk.
 inline constexpr size_t kChunk = 1024;

@@ -82,8 +82,7 @@ bool is_dark(const Scene& scene, const RenderSettings& settings) {
 
 // The parameters of standard surfaces that the integrator leaves out, in one sentence.
 std::string unseen_parameters(const Scene& scene, IntegratorKind integrator) {
-  if (integrator == IntegratorKind::views) return "";
-  const bool is_path = integrator == IntegratorKind::path;
+  if (integrator == IntegratorKind::views || integrator == IntegratorKind::path) return "";
   std::string list;
   const auto add = [&](std::string_view what, auto&& has) {
     const auto count = std::ranges::count_if(
@@ -92,16 +91,12 @@ std::string unseen_parameters(const Scene& scene, IntegratorKind integrator) {
       list += fmt::format("{}{} ({} material{})", list.empty() ? "" : ", ", what, count,
                           count == 1 ? "" : "s");
   };
-  if (is_path) {
-    add("clearcoat", [](const auto& s) { return s.coat > 0; });
-    add("sheen", [](const auto& s) { return s.sheen_color != Rgb(); });
-  } else {
-    add("emission", [](const auto& s) { return !s.is_unlit && s.emission != Rgb(); });
-    add("transmission", [](const auto& s) { return s.transmission > 0; });
-  }
+  add("emission", [](const auto& s) { return !s.is_unlit && s.emission != Rgb(); });
+  add("transmission", [](const auto& s) { return s.transmission > 0; });
+  add("clearcoat", [](const auto& s) { return s.coat > 0; });
+  add("sheen", [](const auto& s) { return s.sheen_color != Rgb(); });
   if (list.empty()) return list;
-  return fmt::format("{} does not show {}{}", kIntegratorNames[size_t(integrator)], list,
-                     is_path ? "" : "; path does");
+  return fmt::format("{} does not show {}; path does", kIntegratorNames[size_t(integrator)], list);
 }
 
 }  // namespace

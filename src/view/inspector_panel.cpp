@@ -331,6 +331,8 @@ void Inspector::draw_bounce(const ExplainedRay::Bounce& b) const {
   if (b.coat != Rgb()) row(tr("dielectric"), b.coat);
   if (b.glass > 0) number_row(tr("glass"), b.glass);
   number_row(tr("roughness"), b.roughness);
+  if (b.clearcoat > 0) number_row(tr("clear coat"), b.clearcoat);
+  if (b.sheen != Rgb()) row(tr("sheen"), b.sheen);
   if (b.transmittance != Rgb(1)) row(tr("medium"), b.transmittance);
   if (b.emission == Rgb()) return;
   row(tr("emission"), b.emission);

@@ -577,6 +577,8 @@ constexpr auto kTexts = std::to_array<std::pair<const char*, const char*>>({
     {"dielectric", "dielétrico"},
     {"glass", "vidro"},
     {"roughness", "rugosidade"},
+    {"clear coat", "verniz"},
+    {"sheen", "lustro"},
     {"medium", "meio"},
     {"emission", "emissão"},
     {"its probability", "sua probabilidade"},

@@ -146,14 +146,17 @@ class PaintReader {
     s_.attenuation_distance = number_or(0, *volume, "attenuationDistance", 1e30);
   }
 
+  // Without the texture that masks them, layers would cover everything, so they are left out.
   void take_layers() {
     if (const auto coat = extension("clearcoat", {"clearcoatTexture", "clearcoatRoughnessTexture",
                                                   "clearcoatNormalTexture"})) {
       s_.coat = number_or(0, *coat, "clearcoatFactor");
+      if (coat->has("clearcoatTexture")) s_.coat = 0;
       s_.coat_roughness = number_or(0, *coat, "clearcoatRoughnessFactor");
     }
     if (const auto sheen = extension("sheen", {"sheenColorTexture", "sheenRoughnessTexture"})) {
       s_.sheen_color = color_or(Rgb(), *sheen, "sheenColorFactor");
+      if (sheen->has("sheenColorTexture")) s_.sheen_color = {};
       s_.sheen_roughness = number_or(0, *sheen, "sheenRoughnessFactor");
     }
   }
