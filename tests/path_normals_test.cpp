@@ -156,6 +156,18 @@ TEST(PathNormals, NeedTextureCoordinates) {
   EXPECT_TRUE(same_bytes(picture_of(other, normal_options(4, 3)), expected));
 }
 
+// A smooth coat reflects by its angle with the surface, not with the map.
+TEST(PathNormals, ClearCoatsHaveNoMap) {
+  Scene scene = mapped_square(kRight, {.specular = 0, .coat = 1});
+  scene.materials[0].color = Rgb(0), scene.background = Rgb(1);
+  scene.camera.from = {-3, 0.2f, 0.6f}, scene.camera.at = {0.1f, 0.2f, 0};
+  const float mapped = picture_of(scene, normal_options(1024, 2)).at(4, 4).x;
+  scene.standard_surfaces[0].normal_texture = kNoTexture;
+  const float plain = picture_of(scene, normal_options(1024, 2)).at(4, 4).x;
+  EXPECT_GT(plain, 0.2f);
+  EXPECT_NEAR(mapped, plain, 0.02f * plain);
+}
+
 // Of a map with all kinds of slopes, texels with no direction, and blue below one half.
 void roughen(Scene& scene) {
   constexpr uint32_t kSide = 16;
