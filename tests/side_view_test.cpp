@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 std::vector<fs::path> scenes_of_the_tree() {
   std::vector<fs::path> paths;
   for (const auto& entry : fs::recursive_directory_iterator(RAIO_SOURCE_DIR "/scenes"))
-    if (entry.is_regular_file() && entry.path().extension() != ".md" &&
-        entry.path().extension() != ".bin" && entry.path().extension() != ".png")
+    if (entry.is_regular_file() && std::ranges::count(std::array{".md", ".bin", ".png", ".pfm"},
+                                                      entry.path().extension()) == 0)
       paths.push_back(entry.path());
   std::ranges::sort(paths);
   return paths;

@@ -110,7 +110,7 @@ class RayRecorder final : public Recorder {
       ExplainedRay r{.kind = ExplainedRay::Kind::shadow,
                      .parent = parent,
                      .level = from.level,
-                     .light = int(l),
+                     .light = from.bounce ? -1 : int(l),
                      .ray = rays[i],
                      .occluded = hidden[i] != 0,
                      .weight = from.weight};

@@ -82,7 +82,7 @@ struct ExplainedRay {
   Kind kind = Kind::eye;
   int parent = -1;  // the ray that spawned it, as an index in Explanation::rays
   int level = 1;
-  int light = -1;  // for a shadow ray
+  int light = -1;  // for a shadow ray, but not on a path
   Ray ray{};
   bool traced = true;     // else beyond the last level: it gets the background
   bool occluded = false;  // for a shadow ray
