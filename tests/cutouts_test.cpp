@@ -109,6 +109,12 @@ TEST(Cutouts, AlphaMultipliesTheOpacity) {
               std::pow(1 - kAlpha / 4, 2), 2e-3);
 }
 
+TEST(Cutouts, AlphaMultipliesTheTrianglesOwnOpacity) {
+  Scene scene = with_sheets(2, texel_of_alpha(102));
+  scene.triangle_opacity = {0.5f, 0.5f, 0.25f, 0.25f};
+  EXPECT_NEAR(seen_through(scene), (1 - kAlpha / 2) * (1 - kAlpha / 4), 2e-3);
+}
+
 // Beside primitives with an opacity of their own.
 TEST(Cutouts, AddToTransparentPrimitives) {
   Scene scene = with_sheets(2, texel_of_alpha(102));

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <memory>
 #include <random>
 
 #include "accel_rays.h"
@@ -45,6 +46,16 @@ Vec3d sum_of_terms(const Explanation& e, double scale) {
   return sum;
 }
 
+std::unique_ptr<Film> rendered_pixel(const Scene& scene, const Accel& accel,
+                                     RenderSettings settings, int x, int y) {
+  settings.crop = Crop{x, y, x + 1, y + 1};
+  auto film = make_film(scene, settings);
+  EXPECT_TRUE(film.has_value());
+  WorkControl control;
+  render(scene, accel, settings, **film, control);
+  return std::move(*film);
+}
+
 // Pixels of a scene, chosen at random.
 void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uint32_t seed,
                              const RenderOptions& models = {}) {
@@ -80,14 +91,9 @@ void expect_pixels_explained(const Scene& scene, AccelKind kind, int pixels, uin
         EXPECT_TRUE(shadow || last == r.hit.primitive);
       }
     }
-    RenderSettings cropped = settings;
-    cropped.crop = Crop{x, y, x + 1, y + 1};
-    const auto film = make_film(scene, cropped);
-    ASSERT_TRUE(film.has_value());
-    WorkControl control;
-    render(scene, **accel, cropped, **film, control);
-    EXPECT_EQ(Rgb(rgb / double(n)), (*film)->resolve().at(0, 0));
-    const RayCounts rendered = (*film)->rays();
+    const auto film = rendered_pixel(scene, **accel, settings, x, y);
+    EXPECT_EQ(Rgb(rgb / double(n)), film->resolve().at(0, 0));
+    const RayCounts rendered = film->rays();
     EXPECT_EQ(counts, rendered);
     if (kind == AccelKind::bvh) continue;  // its rays share work
     EXPECT_EQ(steps, rendered.steps);
@@ -169,7 +175,7 @@ TEST(Explain, PathsAddUpToThePixel) {
   options.width = 80, options.height = 60, options.samples = 4, options.depth = 9;
   options.integrator = IntegratorKind::path;
   options.accel.kind = AccelKind::bvh, options.accel.counters = true;
-  RenderSettings settings = resolve_options(options, scene);
+  const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel);
   ASSERT_TRUE(accel.has_value());
   std::mt19937 rng(3);
@@ -222,14 +228,9 @@ TEST(Explain, PathsAddUpToThePixel) {
                   b->transmittance * (b->emission * b->emission_weight) + direct[i]);
       }
     }
-    RenderSettings cropped = settings;
-    cropped.crop = Crop{x, y, x + 1, y + 1};
-    const auto film = make_film(scene, cropped);
-    ASSERT_TRUE(film.has_value());
-    WorkControl control;
-    render(scene, **accel, cropped, **film, control);
-    EXPECT_EQ(Rgb(rgb / 4), (*film)->resolve().at(0, 0));
-    EXPECT_EQ(counts, (*film)->rays());
+    const auto film = rendered_pixel(scene, **accel, settings, x, y);
+    EXPECT_EQ(Rgb(rgb / 4), film->resolve().at(0, 0));
+    EXPECT_EQ(counts, film->rays());
   }
   for (const size_t count : seen) EXPECT_GT(count, 0u);
 }

@@ -105,6 +105,21 @@ TEST(PathPictures, AWhiteSphereIsAsBrightAsItsWorld) {
   EXPECT_EQ(picture_of(scene, by_paths(1, 1)).at(4, 4), Rgb(0));
 }
 
+// Tables of other scenes are kept from picture to picture.
+TEST(PathPictures, DoNotDependOnEarlierOnes) {
+  const auto picture = [](float ior, float coat) {
+    Scene scene = seen_from({0, -3, 1}, 0.75f);
+    scene.add_material({.color = Rgb(0.5f), .kd = 1, .ior = ior});
+    scene.set_standard_surface({.roughness = 0.5f, .coat = coat, .coat_roughness = 0.2f});
+    scene.spheres = {{{0, 0, 0}, 1}}, scene.sphere_materials = {1};
+    scene.camera.fov_deg = 50;
+    return picture_of(scene, by_paths(4, 3));
+  };
+  const Image first = picture(1.37f, 0.6f);
+  (void)picture(1.71f, 0.3f), (void)picture(1.37f, 0);
+  EXPECT_TRUE(same_bytes(first, picture(1.37f, 0.6f)));
+}
+
 TEST(PathPictures, EmissionIsSeenDirectly) {
   Scene scene = under_square();
   scene.camera.from = {0.1f, 0.2f, -1}, scene.camera.at = {0.1f, 0.2f, 1};

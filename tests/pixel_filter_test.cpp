@@ -94,6 +94,19 @@ TEST(PixelFilter, IsUsualForPaths) {
   EXPECT_EQ(tests::picture_of(half(7.4f), options).at(7, 3), Rgb(0));
 }
 
+TEST(PixelFilter, IsRefusedWithOneSample) {
+  const Scene scene = half(8);
+  RenderOptions options;
+  options.filter = PixelFilter::blackman_harris;
+  const auto why = option_conflict(options, &scene);
+  ASSERT_TRUE(why);
+  EXPECT_NE(why->text().find("several samples"), std::string::npos) << why->text();
+  options.aa = 2;
+  EXPECT_FALSE(option_conflict(options, &scene));
+  options.aa = 0, options.samples = 1;  // anywhere in the filter's support
+  EXPECT_FALSE(option_conflict(options, &scene));
+}
+
 TEST(PixelFilter, HasTheSameBytesEverywhere) {
   RenderOptions options = filtered(PixelFilter::blackman_harris, IntegratorKind::path);
   options.samples = 5;

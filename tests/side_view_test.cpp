@@ -2,6 +2,7 @@
 // scene of the tree.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <numbers>

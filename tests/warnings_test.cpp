@@ -86,6 +86,8 @@ TEST(SceneWarnings, NameParametersThatAreNotShown) {
   scene.textures = {{0, 1, 1}}, scene.texels = {0xff8080};
   scene.standard_surfaces[0] = {.normal_texture = 0};
   EXPECT_EQ(sentence(IntegratorKind::path), "");
+  EXPECT_EQ(sentence(IntegratorKind::ambient),
+            "ambient does not show normal maps (1 material); path does");
 }
 
 TEST(SceneWarnings, MeasureTheBlurOfALens) {

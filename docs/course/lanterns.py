@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a glTF scene of lesson 12: towers at night among so many lanterns, which have the same power all together.
+"""Writes a glTF scene for lesson 12: towers at night, lit by lanterns. Their total power does not depend on their number.
 
     python3 docs/course/lanterns.py 300 scenes/course/paths/lanterns.gltf
 """

@@ -312,14 +312,12 @@ void Geometry::bake_colors() {
   bakes_colors_ = true;
 }
 
-// Of a triangle with area, or of a piece of a polygon. That of cutouts applies where rays hit them.
 float Geometry::triangle_opacity(size_t i) const {
   const Object& s = *object_;
   const size_t source = source_of(uint32_t(i)), polygons = count_of_triangles();
   if (source < s.triangle_opacity.size()) return s.triangle_opacity[source];
   if (source >= polygons && !s.polygon_opacity.empty()) return s.polygon_opacity[source - polygons];
-  const MaterialId material = facets_[i].material;
-  return scene_->has_cutouts(material) ? 1 : opacity_of(material);
+  return opacity_of(facets_[i].material);
 }
 
 // Of primitives without their own.
@@ -333,7 +331,8 @@ void Geometry::bake_depths() {
   for_each_kind([&]<PrimitiveKind kind> {
     const auto opacity = [&](size_t i) {
       if constexpr (kind == PrimitiveKind::triangle) {
-        return triangle_opacity(i);
+        // The opacity of cutouts applies where rays hit them.
+        return scene_->has_cutouts(facets_[i].material) ? 1 : triangle_opacity(i);
       } else {
         const auto& own = s.*kPoolOf<PrimitiveType<kind>>.opacity;
         if (!own.empty()) return own[i];

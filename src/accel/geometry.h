@@ -165,6 +165,8 @@ class Geometry {
   bool stops(PrimitiveKind kind, uint32_t index, uint32_t key) const {
     return core::stops(depth_of(kind, index), hash_of(key, key_of(kind, index)));
   }
+  /// The opacity of a triangle or of a piece of a polygon, without its material's texture.
+  float triangle_opacity(size_t i) const;
   /// Whether all of the kind are opaque.
   bool all_opaque(PrimitiveKind kind) const { return depths_[size_t(kind)].empty(); }
   /// Primitives of bounded kinds that transmit some light and absorb some; and the opaque ones, if
@@ -232,7 +234,6 @@ class Geometry {
   void bake_polygons();
   void bake_colors();
   void bake_depths();
-  float triangle_opacity(size_t i) const;
   float opacity_of(MaterialId id) const;
   template <class Wanted>
   Column<PrimitiveId> list(const Wanted& wanted) const;

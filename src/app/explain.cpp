@@ -148,7 +148,9 @@ class TextTree {
   }
   std::string next_of(const ExplainedRay& r, const ExplainedRay::Bounce& b, bool goes_on) const {
     if (r.level == what_.settings.depth) return "none after the last level";
-    if (!goes_on) return fmt::format("none, with a chance of {}", 1 - b.chance);
+    if (!goes_on)
+      return b.chance < 1 ? fmt::format("none: the path goes on with a chance of {}", b.chance)
+                          : std::string("none: the light is absorbed");
     std::string out = fmt::format("weight {}", text_of_weight(b.weight));
     if (b.density > 0) out += fmt::format(", density {}", b.density);
     if (b.chance < 1) out += fmt::format(", divided by its chance {}", b.chance);

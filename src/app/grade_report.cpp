@@ -55,7 +55,7 @@ std::string counts_text(const std::vector<Grade::Count>& counts) {
 
 std::string advice(const Grade& grade) {
   std::string text;
-  for (const Cause& cause : grade.causes) text += cause_text(cause, &cause == &grade.causes[0]);
+  for (const Cause& cause : grade.causes) text += cause_text(cause, &cause == grade.causes.data());
   if (grade.region)
     text += fmt::format("\nNo known fault explains half of the error. Look first at the {}: {}.\n",
                         kRegionNames[size_t(*grade.region)], likely_cause(*grade.region));
@@ -72,7 +72,7 @@ bool is_letter(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c
 // The number after the first occurrence of the word in the text, with only punctuation and "per
 // ray" between them.
 std::optional<double> number_after(std::string_view text, std::string_view word) {
-  for (size_t at = 0; (at = text.find(word, at)) != text.npos; at += word.size()) {
+  for (size_t at = 0; (at = text.find(word, at)) != std::string_view::npos; at += word.size()) {
     std::string_view rest = text.substr(at + word.size());
     if ((at > 0 && is_letter(text[at - 1])) || (!rest.empty() && is_letter(rest[0]))) continue;
     if (rest.starts_with(" per ray")) rest.remove_prefix(8);

@@ -424,7 +424,8 @@ class Bsdf {
     return p;
   }
 
-  // What microfacets lack of `left`, the light below layers. Smooth surfaces there lack nothing.
+  // The energy that microfacets lose. The layers transmit `left` to them. Smooth ones below layers
+  // lose none.
   HWY_INLINE V missing_at(V left, U table, V cosine) const {
     const V missing = hn::Sub(left, energy_.at(table, cosine));
     if (!any_layers_) return missing;

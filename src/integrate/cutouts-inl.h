@@ -17,6 +17,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
+// Of a triangle of `geometry` at barycentric weights b1 and b2; 1 if it has no cutouts.
+inline float triangle_opacity_at(const Scene& scene, const Geometry& geometry, uint32_t triangle,
+                                 float b1, float b2) {
+  const MaterialId material = geometry.facet(triangle).material;
+  if (!scene.has_cutouts(material)) return 1;
+  return geometry.triangle_opacity(triangle) *
+         cutout_alpha(scene, material, texture_coordinates(geometry, triangle, b1, b2));
+}
+
 class Cutouts {
  public:
   explicit Cutouts(Wavefront& wavefront) : w_(wavefront) {}
@@ -105,12 +114,8 @@ class Cutouts {
     const PreparedScene& prepared = w_.scene();
     const Geometry& geometry = prepared.accel.geometry().object_at(hit.instance);
     if (geometry.kind_of(hit.primitive) != PrimitiveKind::triangle) return 1;
-    const uint32_t triangle = geometry.index_of(PrimitiveKind::triangle, hit.primitive);
-    const MaterialId material = geometry.facet(triangle).material;
-    if (!prepared.scene.has_cutouts(material)) return 1;
-    return core::opacity_at(prepared.scene, material,
-                            texture_coordinates(geometry, triangle, hit.u, hit.v),
-                            prepared.settings.accel.opacity);
+    return triangle_opacity_at(prepared.scene, geometry, geometry.index_of(hit.primitive), hit.u,
+                               hit.v);
   }
 
   struct Going {

@@ -13,8 +13,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace raio::core::HWY_NAMESPACE {
 
-// Where a cosine is among the columns of EnergyTables: a column, and the part of the way to the
-// next. `width2`: the square of the width.
+// The position of a cosine in the columns of EnergyTables: a column, and the fraction of the way to
+// the next. `width2`: the square of the width.
 struct EnergyPlace {
   HWY_INLINE EnergyPlace(V cosine, V width2) {
     constexpr auto kColumns = int32_t(EnergyTables::kColumns);

@@ -64,6 +64,7 @@ class EnergyTables {
   Dielectric dielectric(float ior, const Layers& above, bool transmits);
 
   const float* numbers() const { return numbers_.data(); }
+  size_t size() const { return numbers_.size(); }
 
  private:
   template <uint32_t kPoints, class Energy>

@@ -232,7 +232,7 @@ class RayRecorder final : public Recorder {
       case Its::triangle:
         return fmt::format("triangle {}", lights.triangles()[light.index].triangle);
       case Its::distant:
-        return fmt::format("{} of the distant ones", light.index);
+        return fmt::format("distant {}", light.index);
       case Its::environment:
         return "environment";
       case Its::none:

@@ -58,7 +58,7 @@ struct ExplainedRay {
     float emission_weight = 0;
     float emission_density = 0;  // with which the sampling of lights finds this point; 0: it cannot
 
-    // The sampled light: "triangle 12", "environment", "0", "0 of the distant ones". Empty: none.
+    // The sampled light: "0", "distant 0", "triangle 12", "environment". Empty: none.
     std::string light{};
     float light_probability = 0;  // of choosing it
     float light_density = 0;      // of the direction, times this probability; 0: only this finds it

@@ -6,6 +6,7 @@
 // After foreach_target.h.
 #include "integrate/bsdf-inl.h"
 #include "integrate/colors-inl.h"
+#include "integrate/cutouts-inl.h"
 #include "integrate/environment-inl.h"
 #include "integrate/environment_sampler-inl.h"
 #include "integrate/lights-inl.h"
@@ -505,14 +506,12 @@ class PathShading final : public Shading {
         const PathMaterial& material = path_.materials[t.material];
         clearcoat[k] = material.clearcoat, layers[k] = material.layers;
       }
-      const bool is_textured = t.emission_texture != kNoTexture;
-      const bool is_cut = scene_.scene.has_cutouts(t.material);
-      if (!is_textured && !is_cut) continue;
-      const Uv uv = texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]);
-      Rgb part(1);
-      if (is_textured) part = texture_color(scene_.scene, t.emission_texture, uv);
-      if (is_cut)
-        part = part * opacity_at(scene_.scene, t.material, uv, scene_.settings.accel.opacity);
+      const float opacity =
+          triangle_opacity_at(scene_.scene, *t.geometry, t.triangle, b[0][k], b[1][k]);
+      Rgb part(opacity);
+      if (t.emission_texture != kNoTexture)
+        part = part * texture_color(scene_.scene, t.emission_texture,
+                                    texture_coordinates(*t.geometry, t.triangle, b[0][k], b[1][k]));
       for (size_t c = 0; c < 3; ++c) at[kEmission][c][k] *= part[int(c)];
     }
     const auto vector = [&](size_t j) HWY_ATTR {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 namespace raio::core {
@@ -111,6 +112,29 @@ LightBounds bounds_of(const SampledLight& l) {
   return b;
 }
 
+// The tables of earlier pictures. Computing them takes longer than tracing a small picture, and a
+// window or an inspector prepares the same scene again and again.
+class RememberedTables {
+ public:
+  EnergyTables recall() {
+    const std::scoped_lock lock(mutex_);
+    return tables_;
+  }
+  void remember(const EnergyTables& tables) {
+    const std::scoped_lock lock(mutex_);
+    if (tables.size() > tables_.size() && tables.size() <= kMost) tables_ = tables;
+  }
+
+ private:
+  static constexpr size_t kMost = size_t(1) << 20;  // numbers
+  std::mutex mutex_;
+  EnergyTables tables_;
+};
+RememberedTables& remembered_tables() {
+  static RememberedTables tables;
+  return tables;
+}
+
 }  // namespace
 
 PathLights::PathLights(const Scene& scene, const Geometry& geometry,
@@ -203,7 +227,7 @@ float PathLights::triangle_probability(Vec3f point, Vec3f normal, uint32_t trian
 
 PathScene::PathScene(const Scene& scene, const Geometry& geometry,
                      const std::vector<SampledLight>& lights)
-    : lights(scene, geometry, lights) {
+    : energy(remembered_tables().recall()), lights(scene, geometry, lights) {
   for (MaterialId id = 0; id < scene.materials.size(); ++id) {
     const StandardSurface* const surface = scene.standard_surface_of(id);
     const Material& m = scene.materials[id];
@@ -217,6 +241,7 @@ PathScene::PathScene(const Scene& scene, const Geometry& geometry,
     any_layers |= layers_of(out).any();
     materials.push_back(out);
   }
+  remembered_tables().remember(energy);
 }
 
 }  // namespace raio::core

@@ -11,9 +11,8 @@ inline constexpr int kFilterSteps = 512;
 /// The sides of its support in pixels.
 inline constexpr int kFilterSide = 3;
 
-/// Where the distribution of PixelFilter::blackman_harris reaches k / kFilterSteps, along an axis
-/// of the pixel, which is from 0 to 1; the support is from -1 to 2. Places between them are
-/// interpolated.
+/// The inverse of the cumulative distribution of PixelFilter::blackman_harris at k / kFilterSteps,
+/// along one axis: -1 to 2, where the pixel extends from 0 to 1. The sampler interpolates linearly.
 const std::array<float, kFilterSteps + 1>& filter_places();
 
 }  // namespace raio::core

@@ -205,7 +205,7 @@ void Wavefront::add_features() {
 const uint8_t* Wavefront::occluded(const WideSampler<D>& sampler, uint32_t depth) {
   set_times(shadow_);
   scene_.accel.occluded(shadow_, hidden_.data(), context_);
-  if (cutouts_ && !context_.stopped()) cutouts_->find_shares(shadow_, hidden_.data());
+  if (cutouts_) cutouts_->find_shares(shadow_, hidden_.data());
   if (transparency_) transparency_->find_shares(shadow_, hidden_.data(), sampler, depth);
   if (cutouts_ && transparency_)
     for (size_t i = 0; i < shadow_.size(); ++i) cutouts_->shares()[i] *= transparency_->shares()[i];

@@ -123,6 +123,13 @@ std::optional<Error> sample_conflict(const RenderOptions& options) {
   return std::nullopt;
 }
 
+std::optional<Error> filter_conflict(const RenderOptions& options, const RenderSettings& settings) {
+  if (options.filter != PixelFilter::blackman_harris || settings.aa != 1) return std::nullopt;
+  return bad_option("filter",
+                    "blackman-harris needs several samples per pixel, and there is one ray through "
+                    "its centre; give `samples` or a larger `aa`");
+}
+
 std::optional<Error> size_conflict(const RenderOptions& options, const RenderSettings& settings) {
   if (options.print && (settings.width > kMaxSide || settings.height > kMaxSide))
     return bad_option(
@@ -196,6 +203,7 @@ std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& s
                       "fades into a colour; give one as `background`, or leave it out");
   const RenderSettings s = resolve_options(options, scene);
   if (auto why = size_conflict(options, s)) return why;
+  if (auto why = filter_conflict(options, s)) return why;
   if (auto why = projection_conflict(options, s.camera.projection)) return why;
   if (auto why = light_conflict(scene, s)) return why;
   if (!s.dof && options.aperture > 0) return without("aperture", "dof");
@@ -284,11 +292,11 @@ AccelKind hinted_accel(const Scene& scene) {
 
 namespace {
 
-// From the start of the first movement to the end of the last.
 PixelFilter usual_filter(IntegratorKind integrator) {
   return integrator == IntegratorKind::path ? PixelFilter::blackman_harris : PixelFilter::box;
 }
 
+// From the start of the first movement to the end of the last.
 std::array<float, 2> usual_shutter(const Scene& scene) {
   if (!scene.moves()) return {0, 1};
   std::array shutter = {std::numeric_limits<float>::infinity(),

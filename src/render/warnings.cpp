@@ -93,6 +93,7 @@ std::string unseen_parameters(const Scene& scene, IntegratorKind integrator) {
   };
   add("emission", [](const auto& s) { return !s.is_unlit && s.emission != Rgb(); });
   add("transmission", [](const auto& s) { return s.transmission > 0; });
+  add("normal maps", [](const auto& s) { return s.normal_texture != kNoTexture; });
   add("clearcoat", [](const auto& s) { return s.coat > 0; });
   add("sheen", [](const auto& s) { return s.sheen_color != Rgb(); });
   if (list.empty()) return list;

@@ -73,13 +73,12 @@ float texture_alpha(const Scene& scene, uint32_t texture, Uv at) {
                       [](uint32_t texel) { return float(255 - (texel >> 24)) / 255; });
 }
 
-float opacity_at(const Scene& scene, MaterialId id, Uv at, float otherwise) {
+float cutout_alpha(const Scene& scene, MaterialId id, Uv at) {
   const StandardSurface& surface = scene.standard_surfaces[id];
   const uint32_t texture = scene.texture_of(id);
-  float alpha = texture == kNoTexture ? 1 : texture_alpha(scene, texture, at);
-  if (surface.alpha_mode == AlphaMode::mask) alpha = alpha >= surface.alpha_cutoff ? 1 : 0;
-  const float own = scene.opacity_of(id);
-  return alpha * (own == 1 ? otherwise : own);
+  const float alpha = texture == kNoTexture ? 1 : texture_alpha(scene, texture, at);
+  if (surface.alpha_mode != AlphaMode::mask) return alpha;
+  return alpha >= surface.alpha_cutoff ? 1 : 0;
 }
 
 }  // namespace raio::core

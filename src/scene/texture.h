@@ -12,7 +12,7 @@ Rgb texture_color(const Scene& scene, uint32_t texture, Uv at);
 Rgb texture_value(const Scene& scene, uint32_t texture, Uv at);
 /// The same for alpha; 1 for a picture without.
 float texture_alpha(const Scene& scene, uint32_t texture, Uv at);
-/// The opacity of a material with cutouts there; `otherwise`: of materials without their own.
-float opacity_at(const Scene& scene, MaterialId id, Uv at, float otherwise);
+/// The alpha of a material with cutouts: 0 or 1 if it is a mask.
+float cutout_alpha(const Scene& scene, MaterialId id, Uv at);
 
 }  // namespace raio::core

@@ -87,7 +87,6 @@ class Inspector {
   void draw_walk(double now);
   void draw_ray() const;
   void draw_surface(const ExplainedRay& ray) const;
-  void draw_bounce(const ExplainedRay::Bounce& bounce) const;
   void draw_sampled_light(int shadow, const ExplainedRay::Bounce& bounce) const;
   void draw_terms(const ExplainedRay& light) const;
   void draw_sum() const;

@@ -72,6 +72,20 @@ ImVec4 patch_of(Vec3d c) {
   return {part(c.x), part(c.y), part(c.z), 1};
 }
 
+void draw_bounce(const ExplainedRay::Bounce& b) {
+  row(tr("diffuse"), b.diffuse);
+  if (b.mirror != Rgb()) row(tr("metal"), b.mirror);
+  if (b.coat != Rgb()) row(tr("dielectric"), b.coat);
+  if (b.glass > 0) number_row(tr("glass"), b.glass);
+  number_row(tr("roughness"), b.roughness);
+  if (b.clearcoat > 0) number_row(tr("clear coat"), b.clearcoat);
+  if (b.sheen != Rgb()) row(tr("sheen"), b.sheen);
+  if (b.transmittance != Rgb(1)) row(tr("medium"), b.transmittance);
+  if (b.emission == Rgb()) return;
+  row(tr("emission"), b.emission);
+  number_row("w", b.emission_weight);
+}
+
 }  // namespace
 
 // The pixel and its buttons stay in place while the rest scrolls.
@@ -323,20 +337,6 @@ void Inspector::draw_surface(const ExplainedRay& r) const {
     if (!light.occluded) draw_terms(light);
   }
   row("C", s.radiance);
-}
-
-void Inspector::draw_bounce(const ExplainedRay::Bounce& b) const {
-  row(tr("diffuse"), b.diffuse);
-  if (b.mirror != Rgb()) row(tr("metal"), b.mirror);
-  if (b.coat != Rgb()) row(tr("dielectric"), b.coat);
-  if (b.glass > 0) number_row(tr("glass"), b.glass);
-  number_row(tr("roughness"), b.roughness);
-  if (b.clearcoat > 0) number_row(tr("clear coat"), b.clearcoat);
-  if (b.sheen != Rgb()) row(tr("sheen"), b.sheen);
-  if (b.transmittance != Rgb(1)) row(tr("medium"), b.transmittance);
-  if (b.emission == Rgb()) return;
-  row(tr("emission"), b.emission);
-  number_row("w", b.emission_weight);
 }
 
 void Inspector::draw_sampled_light(int shadow, const ExplainedRay::Bounce& b) const {
