@@ -93,7 +93,7 @@ class Drawing {
     o.width = int(kPane), o.height = int(kPaneHeight);
     o.dof = o.soft_shadows = o.angle_to_centers = false;
     o.sampler = SamplerKind::jitter;
-    o.aa = 2, o.lens_samples = 1, o.samples = 0;
+    o.aa = o.integrator == IntegratorKind::path ? 5 : 2, o.lens_samples = 1, o.samples = 0;
     o.channels = {}, o.crop = {};
     const auto film = make_film(what_.scene, o);
     if (!film) return Image(o.width, o.height);

@@ -232,7 +232,9 @@ class RayRecorder final : public Recorder {
       case Its::triangle:
         return fmt::format("triangle {}", lights.triangles()[light.index].triangle);
       case Its::distant:
-        return fmt::format("distant {}", light.index);
+        // The lights of NFF have a place, but do not decrease.
+        return fmt::format("{}{}", lights.distant()[light.index].is_distant ? "distant " : "",
+                           light.index);
       case Its::environment:
         return "environment";
       case Its::none:

@@ -57,7 +57,7 @@ class PathLights {
  public:
   PathLights(const Scene& scene, const Geometry& geometry, const std::vector<SampledLight>& lights);
 
-  /// Lights are numbered: those with a position, then those infinitely far away.
+  /// Lights that decrease with distance, and those that do not.
   const std::vector<SampledLight>& near() const { return near_; }
   const std::vector<TriangleLight>& triangles() const { return triangles_; }
   const std::vector<SampledLight>& distant() const { return distant_; }
