@@ -444,7 +444,11 @@ class Interrupted : public CommandLine {
     EXPECT_EQ(std::ranges::count(o.err, '\n'), 1) << o.err;
   }
 
-  static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(400)); }
+  // Until it is likely to work.
+  static void pause(const Running& running, int signal) {
+    running.wait_for_handler(signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  }
 };
 
 TEST_F(Interrupted, RenderLeavesNothing) {
@@ -453,7 +457,7 @@ TEST_F(Interrupted, RenderLeavesNothing) {
                           {"render", "ok.nff", "--size", "2000x2000", "--aa", "64", "-o", "x.png",
                            "--stats", "x.json"},
                           {});
-    pause();
+    pause(running, signal);
     expect_soon(running, signal);
     EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
   }
@@ -467,7 +471,7 @@ TEST_F(Interrupted, LoadingLeavesNothing) {
   ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
   const int writer = ::open(file("pipe").c_str(), O_RDWR | O_CLOEXEC);
   const Running running(*this, {"render", "pipe", "-o", "x.png"}, {});
-  pause();
+  pause(running, SIGINT);
   expect_soon(running, SIGINT);
   ::close(writer);
   EXPECT_EQ(names(), (std::vector<std::string>{"ok.nff", "pipe"}));
@@ -497,7 +501,7 @@ TEST_F(Interrupted, CommandsStopThemselvesWhileTheyRead) {
                                                {"compare", "balls.nff", "y.png"}};
   for (const auto& command : commands) {
     const Running running(*this, command, {});
-    pause();
+    pause(running, SIGINT);
     running.send(SIGINT);
     const Outcome o = running.wait();
     EXPECT_EQ(o.status, 130) << command[0];
@@ -516,14 +520,14 @@ TEST_F(Interrupted, BuildingLeavesNothing) {
   put(file("ok.nff"), std::string(kScene) + many);
   const Running running(
       *this, {"render", "ok.nff", "--grid-resolution", "300x300x300", "-o", "x.png"}, {});
-  pause();
+  pause(running, SIGINT);
   expect_soon(running, SIGINT);
   EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
 }
 
 TEST_F(Interrupted, GeneratingLeavesNothing) {
   const Running running(*this, {"generate", "balls", "--size", "7", "-o", "x.nff"}, {});
-  pause();
+  pause(running, SIGTERM);
   expect_soon(running, SIGTERM);
   EXPECT_EQ(names(), std::vector<std::string>{"ok.nff"});
 }

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "sanitized.h"
@@ -87,6 +88,19 @@ class CommandLine : public TemporaryFolder {
     }
 
     void send(int signal) const { ::kill(id_, signal); }
+
+    /// Waits until the program handles the signal, which a slow or busy machine delays.
+    void wait_for_handler(int signal) const {
+      const std::string path = "/proc/" + std::to_string(id_) + "/status";
+      const auto handles = [&] {
+        const std::string status = get(path), field = "SigCgt:";
+        return status.find("State:\tZ") != std::string::npos ||  // it has ended
+               (std::stoull(status.substr(status.find(field) + field.size()), nullptr, 16) >>
+                    (signal - 1) &
+                1) != 0;
+      };
+      while (!handles()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
 
     Outcome wait() const {
       Outcome outcome;
