@@ -218,7 +218,7 @@ TEST_F(EnvironmentFile, RefusalsNameWhatWasFound) {
                 HasSubstr("the pixel in column 2, row 1 (from 0, 0 at the upper left) is 0,"));
   }
   EXPECT_THAT(refusal({.environment_rotation = 10}),
-              HasSubstr("environment-rotation has no effect without environment"));
+              HasSubstr("env-rotate has no effect without environment or sky"));
   put(file("a.hdr"), "GIF89a");
   EXPECT_THAT(refusal({.environment = file("a.hdr").string()}), HasSubstr("expected a PNG, JPEG"));
   const auto& background =

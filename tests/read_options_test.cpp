@@ -19,7 +19,7 @@ using testing::IsEmpty;
 ReadOptions unusual() {
   ReadOptions o = kForPictures;
   auto& [style, color_by, colormap, color_range, smooth, color_atoms, radius, assembly, frame,
-         atom_style, cell, images, only, hide, show, environment, environment_rotation,
+         atom_style, cell, images, only, hide, show, environment, sky, environment_rotation,
          hide_solvent, instances, labels, folder, cache] = o;
   style = AtomStyle::sticks, color_by = "forces.1", colormap = "plasma";
   color_range = {0.1, -2e10}, smooth = 12.5F, radius = 0.3F, assembly = 0, frame = -3;
@@ -27,7 +27,7 @@ ReadOptions unusual() {
   color_atoms = {{"chain A", linear_from_srgb(0xffa500u), "orange"},
                  {"index 0-3", {0.5F, 0, 1}, "0.5,0,1"}};
   only = "not (water, ion)", hide = "hydrogen", show = "residue HEM,5-12";
-  environment = "a sky.hdr", environment_rotation = -12.5F;
+  environment = "a sky.hdr", sky = {2.5F, 30, -120}, environment_rotation = -12.5F;
   // The program sets these, not the user.
   (void)hide_solvent, (void)instances, (void)labels, (void)folder, (void)cache;
   return o;

@@ -79,7 +79,7 @@ def test_same_bytes(scene, options, suffix, program, tmp_path):
 def test_same_bytes_in_an_environment(program, tmp_path):
     head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n"
     (tmp_path / "sky.hdr").write_bytes(head + bytes([200, 100, 50, 129, 20, 40, 80, 129]))
-    options = {"environment": tmp_path / "sky.hdr", "environment_rotation": 30, "integrator": "path"}
+    options = {"environment": tmp_path / "sky.hdr", "env_rotate": 30, "integrator": "path"}
     test_same_bytes("crates.gltf", {**options, "samples": 4}, ".png", program, tmp_path)
     del options["integrator"]
     lit, scene = raio.load(SCENES / "rings.nff", **options), raio.load(SCENES / "rings.nff")

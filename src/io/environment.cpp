@@ -10,6 +10,7 @@
 #include "base/exact_math.h"
 #include "base/parallel.h"
 #include "base/srgb.h"
+#include "io/clear_sky.h"
 #include "io/file.h"
 #include "io/image/codecs.h"
 
@@ -55,6 +56,20 @@ std::string environment_problem(const Image& image) {
   return {};
 }
 
+// Turned counterclockwise by `rotation` degrees.
+void surround(Scene& scene, const Image& image, Vec3f up, double rotation) {
+  const Vec3d axis = axis_near(Vec3d(up));
+  const Vec3d middle = axis.z != 0 ? Vec3d(0, 1, 0) : Vec3d(0, 0, -1);
+  const double turn = rotation * std::numbers::pi / 180;
+  const Vec3d direction = middle * exact_cos(turn) + cross(axis, middle) * exact_sin(turn);
+  scene.environment = {{.width = uint32_t(image.width),
+                        .height = uint32_t(image.height),
+                        .up = Vec3f(axis),
+                        .direction = Vec3f(direction)}};
+  scene.environment_texels =
+      Array<Rgb>(image.pixels.data(), image.pixels.data() + image.pixels.size());
+}
+
 }  // namespace
 
 std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::path& path,
@@ -75,17 +90,13 @@ std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::
         c = {light_of(c.x), light_of(c.y), light_of(c.z)};
       }
     });
-  const Vec3d axis = axis_near(Vec3d(up));
-  const Vec3d middle = axis.z != 0 ? Vec3d(0, 1, 0) : Vec3d(0, 0, -1);
-  const double turn = rotation * std::numbers::pi / 180;
-  const Vec3d direction = middle * exact_cos(turn) + cross(axis, middle) * exact_sin(turn);
-  scene.environment = {{.width = uint32_t(image->width),
-                        .height = uint32_t(image->height),
-                        .up = Vec3f(axis),
-                        .direction = Vec3f(direction)}};
-  scene.environment_texels =
-      Array<Rgb>(image->pixels.data(), image->pixels.data() + image->pixels.size());
+  surround(scene, *image, up, rotation);
   return {};
+}
+
+void set_clear_sky(Scene& scene, double turbidity, double elevation, double azimuth, Vec3f up,
+                   double rotation) {
+  surround(scene, clear_sky(turbidity, elevation), up, rotation - azimuth);
 }
 
 }  // namespace raio::core

@@ -20,4 +20,9 @@ inline constexpr int kLargestEnvironment = 16384;
 std::expected<void, Error> set_environment(Scene& scene, const std::filesystem::path& path,
                                            Vec3f up, double rotation);
 
+/// Lights the scene by the sun and a clear sky (io/clear_sky.h) in the same way. `azimuth` is that
+/// of the sun in degrees, clockwise from where the middle column of a picture would be.
+void set_clear_sky(Scene& scene, double turbidity, double elevation, double azimuth, Vec3f up,
+                   double rotation);
+
 }  // namespace raio::core

@@ -62,7 +62,9 @@ struct ReadOptions {
   std::array<int, 3> images = {1, 1, 1};  // of the cell along its sides
   // Atoms to draw (io/atoms/select.h); empty: all.
   std::string only = {}, hide = {}, show = {};
-  std::string environment = {};    // a picture of the light from all directions (io/environment.h)
+  std::string environment = {};  // a picture of the light from all directions (io/environment.h)
+  std::optional<std::array<float, 3>> sky =
+      {};                          // turbidity, elevation, azimuth of the sun (io/clear_sky.h)
   float environment_rotation = 0;  // degrees, counterclockwise seen from above
   bool hide_solvent = false;       // water and ions around a space-filling protein or nucleic acid
   bool instances = false;          // keep instances; else they become primitives

@@ -148,16 +148,27 @@ std::expected<ReadScene, Diagnostics> finished(ReadScene read, std::string_view 
                                                const ReadOptions& options) {
   if (std::string wrong = apply_instances(options, read.scene); !wrong.empty())
     return failed(file, std::move(wrong));
-  if (options.environment.empty() && options.environment_rotation != 0)
-    return failed(file, "`environment-rotation` has no effect without `environment`; leave it out");
-  if (options.environment.empty()) return read;
+  const std::string_view light = options.sky ? "sky" : "environment";
+  if (options.environment.empty() && !options.sky) {
+    if (options.environment_rotation != 0)
+      return failed(file,
+                    "`env-rotate` has no effect without `environment` or `sky`; leave it "
+                    "out");
+    return read;
+  }
+  if (!options.environment.empty() && options.sky)
+    return failed(file, "`sky` cannot be combined with `environment`; leave one of them out");
   if (!read.scene.environment.empty())
     read.notices.push_back({Severity::left_out, std::string(file), 0, 0,
-                            "its own environment; `environment` replaces it", ""});
-  if (const auto done = set_environment(read.scene, options.environment, up,
-                                        double(options.environment_rotation));
-      !done)
+                            fmt::format("its own environment; `{}` replaces it", light), ""});
+  const auto rotation = double(options.environment_rotation);
+  if (options.sky) {
+    const auto [turbidity, elevation, azimuth] = *options.sky;
+    set_clear_sky(read.scene, double(turbidity), double(elevation), double(azimuth), up, rotation);
+  } else if (const auto done = set_environment(read.scene, options.environment, up, rotation);
+             !done) {
     return failed(done.error().subject, done.error().message);
+  }
   return read;
 }
 

@@ -34,6 +34,7 @@ constexpr OptionValue<ReadOptions> kSelection = {
     kReadValue<member>.text, kReadValue<member>.reset};
 
 constexpr auto kColorRange = kReadValue<&ReadOptions::color_range>;
+constexpr auto kSky = kReadValue<&ReadOptions::sky>;
 constexpr auto kAssembly = kReadValue<&ReadOptions::assembly>;
 
 ReadSet set_color_range(ReadOptions& o, const ReadOptionSpec& spec, std::string_view text) {
@@ -41,6 +42,19 @@ ReadSet set_color_range(ReadOptions& o, const ReadOptionSpec& spec, std::string_
   if (!kColorRange.set(asked, spec, text) || (*asked.color_range)[0] == (*asked.color_range)[1])
     return expected_but("two different numbers, as in 0,1.5", text);
   return o.color_range = asked.color_range, ReadSet();
+}
+
+ReadSet set_sky(ReadOptions& o, const ReadOptionSpec& spec, std::string_view text) {
+  ReadOptions asked;
+  const bool is_list = bool(kSky.set(asked, spec, text));
+  const auto [turbidity, elevation, azimuth] = asked.sky.value_or(std::array<float, 3>{});
+  if (!is_list || turbidity < 1 || turbidity > 10 || elevation < 0 || elevation > 90 ||
+      std::abs(azimuth) > 360)
+    return expected_but(
+        "the turbidity from 1 to 10, and the sun's elevation from 0 to 90 and azimuth from -360 to "
+        "360 degrees, as in 3,45,120",
+        text);
+  return o.sky = asked.sky, ReadSet();
 }
 
 ReadSet set_assembly(ReadOptions& o, const ReadOptionSpec&, std::string_view text) {
@@ -88,7 +102,7 @@ std::string color_atoms_text(const ReadOptions& o, const ReadOptionSpec&) {
 }
 
 using enum OptionGroup;
-using table::option, table::usual, table::range, table::one_of;
+using table::option, table::usual, table::range, table::one_of, table::excludes;
 
 constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
     option(figures, "style", "NAME", "Atom style: space-filling, ball-and-stick, sticks or points",
@@ -150,8 +164,13 @@ constexpr auto kReadTable = std::to_array<ReadOptionSpec>({
         "Light the scene by this picture of all directions: an equirectangular .exr, .hdr, .pfm, "
         ".png or .jpg, twice as wide as high",
         kReadValue<&ReadOptions::environment>, usual("the file's")),
-    option(input, "environment-rotation", "DEG",
-           "Turn the environment counterclockwise, seen from above",
+    option(input, "sky", "TURBIDITY,ELEVATION,AZIMUTH",
+           "Light the scene by the sun and a clear sky; the turbidity is 2 for very clear, 3 for "
+           "clear and 6 for hazy air, the sun's azimuth clockwise from -Z, or from +Y if Z is up",
+           OptionValue<ReadOptions>{OptionType::list, set_sky, kSky.text, kSky.reset},
+           excludes("environment")),
+    option(input, "env-rotate", "DEG",
+           "Turn the environment or the sky counterclockwise, seen from above",
            kReadValue<&ReadOptions::environment_rotation>, usual("0"), range(-360, 360, "degrees")),
 });
 
