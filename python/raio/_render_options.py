@@ -39,8 +39,10 @@ class ReadOptions(TypedDict, total=False):
             (default: 0)
         environment: Light the scene by this picture of all directions: an equirectangular .exr, .hdr,
             .pfm, .png or .jpg, twice as wide as high (default: the file's)
-        environment_rotation: Turn the environment counterclockwise, seen from above, in degrees (default:
-            0)
+        sky: Light the scene by the sun and a clear sky; the turbidity is 2 for very clear, 3 for clear
+            and 6 for hazy air, the sun's azimuth clockwise from -Z, or from +Y if Z is up
+        env_rotate: Turn the environment or the sky counterclockwise, seen from above, in degrees
+            (default: 0)
     """
 
     style: Literal["space-filling", "ball-and-stick", "sticks", "points"] | None
@@ -59,7 +61,8 @@ class ReadOptions(TypedDict, total=False):
     images: str | Sequence[str] | Sequence[float] | None
     frame: int | None
     environment: str | os.PathLike[str] | None
-    environment_rotation: float | None
+    sky: str | Sequence[str] | Sequence[float] | None
+    env_rotate: float | None
 
 
 class RenderOptions(AnnotationOptions, total=False):
