@@ -44,6 +44,7 @@ std::string other_value(const OptionEntry<Options>& spec) {
              : spec.name == "crop"            ? "1,2,3,4"
              : spec.name == "grid-resolution" ? "4x5x6"
              : spec.name == "images"          ? "2,1,1"
+             : spec.name == "sky"             ? "3,45,120"
                                               : "0.25,0.5";
     case OptionType::text:
       return spec.name == "assembly"      ? "2"

@@ -179,10 +179,10 @@ class Atmosphere {
     return all;
   }
 
-  // Calls f(densities, what the middle of the step has met of the way, radius, the sun's cosine,
-  // length) for steps along a ray from `radius` at an angle with cosine `up` from the zenith, for
-  // which the sun is at `sun_up` and `sun_along` from it; returns what the whole way meets, and
-  // whether it ends at the ground.
+  // Steps along a ray from a radius, at an angle with the cosine `up` from the zenith; the sun is
+  // at angles with the cosines `sun_up` from the zenith and `along_sun` from the ray. Calls
+  // f(densities, met before the middle of the step, radius, the sun's cosine, length). Returns what
+  // the whole way meets, and whether it ends at the ground.
   struct Way {
     Columns met;
     bool ends_at_ground;
@@ -405,7 +405,7 @@ void add_sun(Image& image, Vec3d irradiance, double elevation, double horizon) {
   const auto row_of = [&](double e) { return int((pi / 2 - e) / pixel); };
   const int first = std::max(0, row_of(elevation + kSunRadius) - 1);
   const int last = std::min(image.height - 1, row_of(elevation - kSunRadius) + 1);
-  parallel_for(size_t(last - first + 1), [&](size_t i) {
+  parallel_for(size_t(last) + 1 - size_t(first), [&](size_t i) {
     const int y = first + int(i);
     for (int x = 0; x < image.width; ++x) {
       const double nearest = std::max(0.0, std::abs(x + 0.5 - image.width * 0.5) - 0.5) * pixel;
