@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -141,12 +142,56 @@ Field field_of(const Object& material, std::string_view name, Vector otherwise,
   return constant(otherwise);
 }
 
-double constant_of(const Object& material, std::string_view name, double otherwise,
+Vector constant_of(const Object& material, std::string_view name, const Vector& otherwise,
                    const Shapes& shapes, const Object* instance) {
-  const Field field = field_of(material, name, {otherwise, 0, 0, 1}, shapes, instance);
+  const Field field = field_of(material, name, otherwise, shapes, instance);
   if (field.rate != Rate::constant)
     material.warn(fmt::format("'{}' is taken from the first primitive", name));
-  return shapes.primitives > 0 ? field.at(shapes.element(0, 0))[0] : otherwise;
+  return shapes.primitives > 0 ? field.at(shapes.element(0, 0)) : otherwise;
+}
+
+double constant_of(const Object& material, std::string_view name, double otherwise,
+                   const Shapes& shapes, const Object* instance) {
+  return constant_of(material, name, Vector{otherwise, 0, 0, 1}, shapes, instance)[0];
+}
+
+// A material without colour, opacity and textures. Numbers beyond their range are cut.
+StandardMaterial standard_of(const Object& material, const Shapes& shapes, const Object* instance) {
+  const auto cut = [&](std::string_view name, double x, double least, double most) {
+    if (x >= least && x <= most) return x;
+    material.warn(fmt::format("'{}' is cut to {} to {}", name, least, most));
+    return x > most ? most : least;
+  };
+  const auto part = [&](std::string_view name, double otherwise) {
+    return cut(name, constant_of(material, name, otherwise, shapes, instance), 0, 1);
+  };
+  const auto color = [&](std::string_view name, double otherwise, double most) {
+    const Vector v =
+        constant_of(material, name, {otherwise, otherwise, otherwise, 1}, shapes, instance);
+    Triple out;
+    for (size_t k = 0; k < 3; ++k) {
+      const double light = material.device.display_colors ? light_of_display(v[k]) : v[k];
+      out[k] = cut(name, light, 0, most);
+    }
+    return out;
+  };
+  StandardMaterial s;
+  s.metallic = part("metallic", 1), s.roughness = part("roughness", 1);
+  s.ior = cut("ior", constant_of(material, "ior", 1.5, shapes, instance), 1, 100);
+  s.specular = part("specular", 0), s.specular_color = color("specularColor", 1, 1e4);
+  s.transmission = part("transmission", 0);
+  s.thin = !(constant_of(material, "thickness", 0, shapes, instance) > 0);
+  const double distance =
+      double(material.get("attenuationDistance", std::numeric_limits<float>::infinity()));
+  if (!s.thin && std::isfinite(distance) && !(distance > 0))
+    material.warn("'attenuationDistance' must be above 0 and is ignored");
+  else if (!s.thin)
+    s.attenuation_distance = distance, s.attenuation_color = color("attenuationColor", 1, 1);
+  s.emission = color("emissive", 0, 1e6);
+  s.clearcoat = part("clearcoat", 0), s.clearcoat_roughness = part("clearcoatRoughness", 0);
+  s.sheen_color = color("sheenColor", 0, 1), s.sheen_roughness = part("sheenRoughness", 0);
+  s.alpha_mode = AlphaMode::opaque;  // primitives have opacities, textures no alpha
+  return s;
 }
 }  // namespace
 
@@ -252,6 +297,7 @@ Look look_of(const Object& material, const Shapes& shapes, const Object* instanc
   Material& m = look.material;
   m.color = {1, 1, 1}, m.kd = 1, m.ks = 0;
   if (matte || !material.info) return look;
+  look.standard = standard_of(material, shapes, instance);
   const double metallic =
       std::clamp(constant_of(material, "metallic", 1, shapes, instance), 0.0, 1.0);
   const double roughness =

@@ -132,6 +132,16 @@ class Adder {
       m.color = {double(c[0]), double(c[1]), double(c[2])};
     }
     if (!look_.varies() && !look_.mask) m.opacity = look_.opacity_at(shapes_.element(0, 0));
+    return add_material(m);
+  }
+
+  uint32_t add_material(const Material& m) {
+    if (!look_.standard) return scene_.add_material(m);
+    StandardMaterial standard = *look_.standard;
+    standard.color = m.color, standard.opacity = m.opacity, standard.texture = m.texture;
+    if (std::ranges::all_of(m.color, [](double x) { return x <= 1; }))
+      return scene_.add_material(standard, m);
+    geometry_.warn("a base colour above 1 has no physical material: 'path' shows it matt");
     return scene_.add_material(m);
   }
 
@@ -397,7 +407,7 @@ class Adder {
         if (!level) {
           Material m = look_.material;
           m.opacity = std::round(opacity * kLevels) / kLevels;
-          level = scene_.add_material(m);
+          level = add_material(m);
         }
         materials.push_back(*level);
       }
