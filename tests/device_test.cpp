@@ -329,6 +329,43 @@ TEST(Device, PathsShowPhysicalMaterials) {
            .sheen_roughness = 0.5});
 }
 
+// Samplers beside that of the colour become textures of the library's material.
+TEST(Device, PathsShowImagesOfMaterials) {
+  Application app;
+  Object* const g = app.create(geometry, "quad");
+  const std::vector<Point> corners = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  const std::vector<std::array<float, 2>> places = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  app.set(g, "vertex.position", float32_vec3, corners);
+  app.set(g, "vertex.attribute0", float32_vec2, places);
+  const auto picture = [&](std::array<float, 2> left_right, float metal) {
+    Object* const m = app.create(material, "physicallyBased");
+    const auto image = [&](const char* name, std::array<Point, 2> texels) {
+      Object* const a =
+          app.device.create_array(array2d, nullptr, nullptr, nullptr, float32_vec3, {2, 1, 1});
+      std::memcpy(app.device.map(a), texels.data(), sizeof texels);
+      app.device.unmap(a);
+      Object* const s = app.create(sampler, "image2D");
+      app.set(s, "image", a), app.set(s, "filter", "nearest"), app.commit(s), app.set(m, name, s);
+    };
+    const auto both = [&](float x) { return Point{x, x, x}; };
+    image("baseColor", {both(0.5f), both(0.5f)});
+    image("metallic", {both(0), both(metal)});
+    image("roughness", {both(0.3f), both(1)});
+    image("emissive", {both(left_right[0]), both(left_right[1])});
+    Frame* const frame = app.frame(app.world({app.surface(g, m)}), 40, 40);
+    Object* const r = app.create(renderer, "path");
+    app.set(r, "pixelSamples", int32, 64), app.set(r, "ambientRadiance", float32, 1e-3f);
+    app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+    return app.render(frame);
+  };
+  const std::vector<float> pixels = picture({0.5f, 3}, 1);
+  EXPECT_NEAR(pixels[4 * (20 * 40 + 16)], 0.5f, 0.02f);
+  EXPECT_NEAR(pixels[4 * (20 * 40 + 23)], 3, 0.1f);
+  EXPECT_NE(picture({0.5f, 3}, 0), pixels);
+  EXPECT_NE(app.all_messages().find("'metallic' is taken from the first primitive, except by"),
+            std::string::npos);
+}
+
 TEST(Device, MaterialsSayWhatPathsDoNotShow) {
   Application app;
   Object* const m = app.create(material, "physicallyBased");
