@@ -352,10 +352,57 @@ void bind_scene(nb::module_& m) {
              return scene.add_material(
                  {color, kd, ks, shine, transmission, ior, specular, roughness, opacity, texture});
            })
+      .def(
+          "add_standard_material",
+          [](Scene& scene, Triple color, double metallic, double roughness, double ior,
+             double specular, Triple specular_color, double transmission, bool thin,
+             Triple attenuation_color, double attenuation_distance, Triple emission,
+             double clearcoat, double clearcoat_roughness, Triple sheen_color,
+             double sheen_roughness, bool two_sided, bool unlit, double opacity, int alpha_mode,
+             double alpha_cutoff, double normal_scale, std::optional<uint32_t> texture,
+             std::optional<uint32_t> metallic_roughness_texture,
+             std::optional<uint32_t> normal_texture, std::optional<uint32_t> emission_texture,
+             std::optional<uint32_t> transmission_texture) {
+            return scene.add_material(raio::StandardMaterial{color,
+                                                             metallic,
+                                                             roughness,
+                                                             ior,
+                                                             specular,
+                                                             specular_color,
+                                                             transmission,
+                                                             thin,
+                                                             attenuation_color,
+                                                             attenuation_distance,
+                                                             emission,
+                                                             clearcoat,
+                                                             clearcoat_roughness,
+                                                             sheen_color,
+                                                             sheen_roughness,
+                                                             two_sided,
+                                                             unlit,
+                                                             opacity,
+                                                             raio::AlphaMode(alpha_mode),
+                                                             alpha_cutoff,
+                                                             normal_scale,
+                                                             texture,
+                                                             metallic_roughness_texture,
+                                                             normal_texture,
+                                                             emission_texture,
+                                                             transmission_texture});
+          },
+          nb::kw_only(), "color"_a, "metallic"_a, "roughness"_a, "ior"_a, "specular"_a,
+          "specular_color"_a, "transmission"_a, "thin"_a, "attenuation_color"_a,
+          "attenuation_distance"_a, "emission"_a, "clearcoat"_a, "clearcoat_roughness"_a,
+          "sheen_color"_a, "sheen_roughness"_a, "two_sided"_a, "unlit"_a, "opacity"_a,
+          "alpha_mode"_a, "alpha_cutoff"_a, "normal_scale"_a, "texture"_a.none(),
+          "metallic_roughness_texture"_a.none(), "normal_texture"_a.none(),
+          "emission_texture"_a.none(), "transmission_texture"_a.none())
       .def("add_texture",
            [](Scene& scene,
-              nb::ndarray<const uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu> rgb) {
-             return scene.add_texture(uint32_t(rgb.shape(1)), uint32_t(rgb.shape(0)), rgb.data());
+              nb::ndarray<const uint8_t, nb::ndim<3>, nb::c_contig, nb::device::cpu> texels) {
+             return scene.add_texture(uint32_t(texels.shape(1)), uint32_t(texels.shape(0)),
+                                      texels.data(), raio::TextureWrap::repeat,
+                                      raio::TextureWrap::repeat, int(texels.shape(2)));
            })
       .def("add_spheres",
            [](Scene& scene, const Floats2& centers, const Floats1& radii, uint32_t material,

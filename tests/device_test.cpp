@@ -265,6 +265,123 @@ TEST(Device, LooksHaveTheLibrarysBytes) {
   EXPECT_EQ(app.all_messages(), "");
 }
 
+// A ball of each, by the renderer `path`, has the bytes of the library's material.
+TEST(Device, PathsShowPhysicalMaterials) {
+  using Set = std::vector<std::pair<const char*, float>>;
+  using M = raio::StandardMaterial;
+  const auto compare = [](const Set& numbers, const Set& colors, M expected) {
+    Application app;
+    Object* const m = app.create(material, "physicallyBased");
+    for (const auto& [name, x] : numbers) app.set(m, name, float32, x);
+    for (const auto& [name, x] : colors) app.set(m, name, float32_vec3, Point{x, 0.5f, x});
+    Frame* const frame =
+        app.frame(app.world({app.surface(app.spheres({{0, 0, 0}}, 1), m)}), 40, 40);
+    Object* const r = app.create(renderer, "path");
+    app.set(r, "pixelSamples", int32, 4);
+    app.set(r, "background", float32_vec4, std::array<float, 4>{0, 0, 0, 0});
+    app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+
+    raio::Scene scene;
+    scene.set_figure(true);
+    expected.alpha_mode = raio::AlphaMode::opaque;
+    const float radius = 1, center[] = {0, 0, 0};
+    scene.add_spheres({center, 1}, {&radius, 1}, scene.add_material(expected));
+    raio::Settings settings;
+    settings.set("size", {40, 40}).set("from", {0, 0, 5}).set("at", {0, 0, 4}).set("up", {0, 1, 0});
+    settings.set("fov", 60).set("samples", 4).set("background", "transparent");
+    settings.set("integrator", "path").set("look", "matte-1").set("sky-light", {1, 1, 1});
+    settings.set("key-light", "off");
+    EXPECT_TRUE(app.render(frame) == flipped(raio::Job(scene, settings).run().rgba(), 40 * 4))
+        << (numbers.empty() ? "" : numbers[0].first);
+    EXPECT_EQ(app.all_messages(), "");
+  };
+  compare({}, {}, {.color = {1, 1, 1}, .metallic = 1, .roughness = 1, .specular = 0, .thin = true});
+  compare({{"metallic", 0}, {"roughness", 0.25f}, {"specular", 1}, {"ior", 1.75f}},
+          {{"baseColor", 0.25f}, {"specularColor", 0.75f}, {"emissive", 0.125f}},
+          {.color = {0.25, 0.5, 0.25},
+           .roughness = 0.25,
+           .ior = 1.75,
+           .specular_color = {0.75, 0.5, 0.75},
+           .thin = true,
+           .emission = {0.125, 0.5, 0.125}});
+  compare({{"transmission", 0.75f},
+           {"metallic", 0},
+           {"roughness", 0},
+           {"specular", 1},
+           {"thickness", 1},
+           {"attenuationDistance", 2}},
+          {{"attenuationColor", 0.25f}},
+          {.color = {1, 1, 1},
+           .roughness = 0,
+           .transmission = 0.75,
+           .attenuation_color = {0.25, 0.5, 0.25},
+           .attenuation_distance = 2});
+  compare({{"clearcoat", 0.5f}, {"clearcoatRoughness", 0.25f}, {"sheenRoughness", 0.5f}},
+          {{"sheenColor", 0.25f}},
+          {.color = {1, 1, 1},
+           .metallic = 1,
+           .roughness = 1,
+           .specular = 0,
+           .thin = true,
+           .clearcoat = 0.5,
+           .clearcoat_roughness = 0.25,
+           .sheen_color = {0.25, 0.5, 0.25},
+           .sheen_roughness = 0.5});
+}
+
+// Samplers beside that of the colour become textures of the library's material.
+TEST(Device, PathsShowImagesOfMaterials) {
+  Application app;
+  Object* const g = app.create(geometry, "quad");
+  const std::vector<Point> corners = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  const std::vector<std::array<float, 2>> places = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  app.set(g, "vertex.position", float32_vec3, corners);
+  app.set(g, "vertex.attribute0", float32_vec2, places);
+  const auto picture = [&](std::array<float, 2> left_right, float metal) {
+    Object* const m = app.create(material, "physicallyBased");
+    const auto image = [&](const char* name, std::array<Point, 2> texels) {
+      Object* const a =
+          app.device.create_array(array2d, nullptr, nullptr, nullptr, float32_vec3, {2, 1, 1});
+      std::memcpy(app.device.map(a), texels.data(), sizeof texels);
+      app.device.unmap(a);
+      Object* const s = app.create(sampler, "image2D");
+      app.set(s, "image", a), app.set(s, "filter", "nearest"), app.commit(s), app.set(m, name, s);
+    };
+    const auto both = [&](float x) { return Point{x, x, x}; };
+    image("baseColor", {both(0.5f), both(0.5f)});
+    image("metallic", {both(0), both(metal)});
+    image("roughness", {both(0.3f), both(1)});
+    image("emissive", {both(left_right[0]), both(left_right[1])});
+    Frame* const frame = app.frame(app.world({app.surface(g, m)}), 40, 40);
+    Object* const r = app.create(renderer, "path");
+    app.set(r, "pixelSamples", int32, 64), app.set(r, "ambientRadiance", float32, 1e-3f);
+    app.commit(r), app.set(frame, "renderer", r), app.commit(frame);
+    return app.render(frame);
+  };
+  const std::vector<float> pixels = picture({0.5f, 3}, 1);
+  EXPECT_NEAR(pixels[4 * (20 * 40 + 16)], 0.5f, 0.02f);
+  EXPECT_NEAR(pixels[4 * (20 * 40 + 23)], 3, 0.1f);
+  EXPECT_NE(picture({0.5f, 3}, 0), pixels);
+  EXPECT_NE(app.all_messages().find("'metallic' is taken from the first primitive, except by"),
+            std::string::npos);
+}
+
+TEST(Device, MaterialsSayWhatPathsDoNotShow) {
+  Application app;
+  Object* const m = app.create(material, "physicallyBased");
+  Object* const g = app.spheres({{0, 0, 0}, {1, 0, 0}}, 0.5f);
+  app.set(g, "primitive.attribute0", float32, std::vector<float>{0.25f, 0.75f});
+  app.set(m, "roughness", "attribute0");
+  app.set(m, "clearcoat", float32, 2.0f);
+  app.set(m, "iridescence", float32, 1.0f);
+  app.render(app.frame(app.world({app.surface(g, m)})));
+  const std::string messages = app.all_messages();
+  for (const char* expected :
+       {"'iridescence' is not supported", "'roughness' is taken from the first",
+        "'clearcoat' is cut to 0 to 1"})
+    EXPECT_NE(messages.find(expected), std::string::npos) << messages;
+}
+
 TEST(Device, ViewsShowNormals) {
   Application app;
   Frame* const frame = app.frame(

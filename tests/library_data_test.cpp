@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <raio/raio.h>
 
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "temporary_folder.h"
@@ -275,6 +279,294 @@ TEST_F(LibraryData, TexturesGoWithTheirObjects) {
   EXPECT_EQ(albedo(copied), expected);
   copied.add_material({});
   EXPECT_EQ(albedo(copied), expected) << "a material after it";
+}
+
+std::string masked_at(double alpha) {
+  return R"("doubleSided": true, "alphaMode": "MASK", "pbrMetallicRoughness": {"baseColorFactor":
+            [1, 1, 1, )" +
+         std::to_string(alpha) + "]}";
+}
+
+// A square with a material, before a lamp.
+raio::Scene lit_square(const std::function<uint32_t(raio::Scene&)>& material,
+                       const raio::Appearance& look = {}) {
+  static const Floats corners = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0},
+                      uv = {0, 0, 1, 0, 1, 1, 0, 1};
+  static const std::vector<uint32_t> faces = {0, 1, 2, 0, 2, 3};
+  raio::Scene scene;
+  raio::Appearance own = look;
+  own.material = material(scene);
+  if (look.colors.data)
+    scene.add_triangles({corners.data(), 4}, {faces.data(), 2}, {}, own);
+  else
+    scene.add_mesh({corners.data(), 4}, {faces.data(), 2}, {}, {uv.data(), 4}, {}, own.material);
+  raio::Light lamp{.kind = raio::Light::Kind::directional, .direction = {-1, 0, -3}};
+  lamp.angular_diameter = 20;
+  scene.add_light(lamp);
+  scene.set_camera({{1, 0, 6}, {0, 0, 0}, {0, 1, 0}, 15});
+  return scene;
+}
+
+Floats traced(const raio::Scene& scene) {
+  return raio::Job(scene, raio::Settings(small()).set("samples", 4)).run().rgba();
+}
+
+TEST_F(LibraryData, EachParameterOfStandardMaterialsShows) {
+  const uint8_t texels[] = {255, 128, 64, 0, 10, 200, 128, 255};
+  const auto add = [&](raio::StandardMaterial m) {
+    return [&texels, m](raio::Scene& scene) {
+      raio::StandardMaterial own = m;
+      const uint32_t texture =
+          scene.add_texture(2, 1, texels, raio::TextureWrap::clamp, raio::TextureWrap::clamp, 4);
+      for (auto* used : {&own.texture, &own.metallic_roughness_texture, &own.normal_texture,
+                         &own.emission_texture, &own.transmission_texture})
+        if (*used) *used = texture;
+      return scene.add_material(own);
+    };
+  };
+  const auto shown = [&](const raio::StandardMaterial& m) { return traced(lit_square(add(m))); };
+  const raio::Scene plain = lit_square(add({}));
+  const auto by_path = raio::Settings(small()).set("samples", 4).set("integrator", "path");
+  EXPECT_EQ(traced(plain), raio::Job(plain, by_path).run().rgba())
+      << "the default with such a material";
+  using M = raio::StandardMaterial;
+  // Each against the same material without the parameter.
+  const std::vector<std::pair<M, M>> changes = {
+      {{}, {.color = {0.8, 0, 0}}},
+      {{}, {.metallic = 1}},
+      {{}, {.roughness = 0.2}},
+      {{}, {.ior = 2}},
+      {{}, {.specular = 0}},
+      {{}, {.specular_color = {0, 1, 0}}},
+      {{}, {.transmission = 1}},
+      {{.transmission = 1}, {.transmission = 1, .thin = true}},
+      {{.transmission = 1},
+       {.transmission = 1, .attenuation_color = {0, 1, 0}, .attenuation_distance = 0.1}},
+      {{}, {.emission = {0, 1, 3}}},
+      {{}, {.clearcoat = 1}},
+      {{.clearcoat = 1}, {.clearcoat = 1, .clearcoat_roughness = 0.7}},
+      {{}, {.sheen_color = {1, 0, 0}, .sheen_roughness = 0.5}},
+      {{.sheen_color = {1, 0, 0}, .sheen_roughness = 0.2},
+       {.sheen_color = {1, 0, 0}, .sheen_roughness = 1}},
+      {{}, {.unlit = true}},
+      {{}, {.opacity = 0.5}},
+      {{.texture = 0}, {.alpha_mode = raio::AlphaMode::opaque, .texture = 0}},
+      {{.alpha_mode = raio::AlphaMode::mask, .texture = 0},
+       {.alpha_mode = raio::AlphaMode::mask, .alpha_cutoff = 0, .texture = 0}},
+      {{.normal_texture = 0}, {.normal_scale = 0.1, .normal_texture = 0}},
+      {{}, {.texture = 0}},
+      {{.metallic = 1, .roughness = 1},
+       {.metallic = 1, .roughness = 1, .metallic_roughness_texture = 0}},
+      {{}, {.normal_texture = 0}},
+      {{.emission = {1, 1, 1}}, {.emission = {1, 1, 1}, .emission_texture = 0}},
+      {{.transmission = 1}, {.transmission = 1, .transmission_texture = 0}},
+  };
+  for (size_t i = 0; i < changes.size(); ++i) {
+    if (i == 8) continue;  // a sheet absorbs nothing
+    EXPECT_NE(shown(changes[i].first), shown(changes[i].second)) << i;
+  }
+  const auto ball = [&](const M& m) {
+    raio::Scene scene;
+    const Floats center = {0, 0, 0}, radius = {1};
+    scene.add_spheres({center.data(), 1}, {radius.data(), 1}, scene.add_material(m));
+    scene.set_camera({{0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 25});
+    scene.set_background({0.5, 0.5, 0.5});
+    return traced(scene);
+  };
+  EXPECT_NE(ball(changes[8].first), ball(changes[8].second)) << "light is absorbed inside";
+  EXPECT_NE(ball({.alpha_mode = raio::AlphaMode::mask}),
+            ball({.opacity = 0.4, .alpha_mode = raio::AlphaMode::mask}))
+      << "masked as a whole";
+  // The back of a square whose front emits.
+  const auto behind = [&](bool two_sided) {
+    raio::Scene scene = lit_square(add({.emission = {1, 1, 1}, .two_sided = two_sided}));
+    scene.set_camera({{1, 0, -6}, {0, 0, 0}, {0, 1, 0}, 15});
+    return traced(scene);
+  };
+  EXPECT_NE(behind(true), behind(false));
+}
+
+TEST_F(LibraryData, StandardMaterialsAreThoseOfGltf) {
+  std::string buffer;
+  const Floats corners = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
+  const std::vector<uint32_t> faces = {0, 1, 2, 0, 2, 3};
+  buffer.append(reinterpret_cast<const char*>(corners.data()), 48);
+  buffer.append(reinterpret_cast<const char*>(faces.data()), 24);
+  put(file("square.bin"), buffer);
+  const auto of_file = [&](const std::string& material) {
+    put(file("square.gltf"),
+        R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "square.bin", "byteLength": 72}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48},
+                            {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                           "min": [-1, -1, 0], "max": [1, 1, 0]},
+                          {"bufferView": 1, "componentType": 5125, "count": 6, "type": "SCALAR"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1,
+                                        "material": 0}]}],
+            "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0,
+            "materials": [{)" +
+            material + "}]}");
+    return raio::Scene::read(file("square.gltf"));
+  };
+  const auto of_code = [&](const raio::StandardMaterial& m) {
+    raio::Scene scene;
+    scene.set_figure(true);
+    scene.add_mesh({corners.data(), 4}, {faces.data(), 2}, {}, {}, {}, scene.add_material(m));
+    return scene;
+  };
+  const auto same = [&](const std::string& gltf, const raio::StandardMaterial& m) {
+    raio::Scene read = of_file(gltf), made = of_code(m);
+    for (raio::Scene* scene : {&read, &made}) {
+      scene->set_camera({{1, 1, 4}, {0, 0, 0}, {0, 1, 0}, 40});
+      raio::Light lamp{.position = {2, 1, 3}};
+      lamp.color = {10, 10, 10};
+      scene->add_light(lamp);
+    }
+    for (const char* integrator : {"path", "ambient"}) {
+      const auto settings = raio::Settings(small()).set("samples", 4).set("integrator", integrator);
+      EXPECT_EQ(raio::Job(read, settings).run().rgba(), raio::Job(made, settings).run().rgba())
+          << integrator << gltf;
+    }
+    raio::Scene again = raio::Scene::from_bytes(made.to_bytes());
+    EXPECT_EQ(traced(again), traced(made)) << gltf;
+  };
+  using M = raio::StandardMaterial;
+  same(R"("doubleSided": true)",
+       M{.color = {1, 1, 1}, .metallic = 1, .roughness = 1, .thin = true});
+  same(R"("doubleSided": true, "alphaMode": "BLEND", "emissiveFactor": [0.5, 0.25, 0],
+          "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.75, 0.25, 0.5],
+                                   "metallicFactor": 0.25, "roughnessFactor": 0.5})",
+       M{.color = {0.5, 0.75, 0.25},
+         .metallic = 0.25,
+         .thin = true,
+         .emission = {0.5, 0.25, 0},
+         .opacity = 0.5});
+  for (const double alpha : {0.75, 0.25})
+    same(masked_at(alpha), M{.color = {1, 1, 1},
+                             .metallic = 1,
+                             .roughness = 1,
+                             .thin = true,
+                             .opacity = alpha,
+                             .alpha_mode = raio::AlphaMode::mask});
+  same(R"("doubleSided": true, "extensions": {"KHR_materials_unlit": {}}, "pbrMetallicRoughness":
+          {"baseColorFactor": [0.5, 0.75, 0.25, 1]})",
+       M{.color = {0.5, 0.75, 0.25}, .unlit = true, .alpha_mode = raio::AlphaMode::opaque});
+  same(R"("doubleSided": true, "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0},
+          "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 0.75},
+            "KHR_materials_ior": {"ior": 1.75},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 2,
+                                     "attenuationColor": [0.5, 1, 0.5]},
+            "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [1, 0.5, 0]},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25},
+            "KHR_materials_sheen": {"sheenColorFactor": [0.5, 0, 0], "sheenRoughnessFactor": 0.5}})",
+       M{.color = {1, 1, 1},
+         .roughness = 0,
+         .ior = 1.75,
+         .specular = 0.5,
+         .specular_color = {1, 0.5, 0},
+         .transmission = 0.75,
+         .attenuation_color = {0.5, 1, 0.5},
+         .attenuation_distance = 2,
+         .clearcoat = 0.5,
+         .clearcoat_roughness = 0.25,
+         .sheen_color = {0.5, 0, 0},
+         .sheen_roughness = 0.5});
+}
+
+TEST_F(LibraryData, StandardMaterialsGoWithTheirObjects) {
+  const auto material = [](raio::Scene& scene) {
+    const uint8_t texels[] = {255, 0, 0, 0, 255, 0};
+    scene.add_texture(1, 1, texels);
+    raio::StandardMaterial m{.color = {1, 1, 1}, .emission = {1, 1, 1}};
+    m.texture = m.emission_texture = scene.add_texture(2, 1, texels);
+    return scene.add_material(m);
+  };
+  const raio::Scene square = lit_square(material);
+  raio::Scene copied = lit_square([](raio::Scene& scene) {
+    const uint8_t texel[] = {0, 0, 255};
+    raio::StandardMaterial m;
+    m.texture = scene.add_texture(1, 1, texel);
+    return scene.add_material(m);
+  });
+  const Floats away = {1, 0, 0, 50, 0, 1, 0, 0, 0, 0, 1, 0};
+  copied.add_instances(copied.add_prototype(square), {away.data(), 1});
+  copied.set_camera({{51, 0, 6}, {50, 0, 0}, {0, 1, 0}, 15});
+  const Floats seen = traced(copied), expected = traced(square);
+  double difference = 0, sum = 0;
+  for (size_t i = 0; i < seen.size(); ++i)
+    difference += double(std::abs(seen[i] - expected[i])), sum += double(expected[i]);
+  EXPECT_LT(difference / sum, 0.02) << "its textures have other numbers";
+}
+
+TEST_F(LibraryData, StandardMaterialsHaveOwnColoursAndClassicLooks) {
+  const Floats reds = {1, 0, 0, 1, 0, 0};
+  raio::Appearance red;
+  red.colors = {reds.data(), 2};
+  const auto with = [](const raio::StandardMaterial& m) {
+    return [m](raio::Scene& scene) { return scene.add_material(m); };
+  };
+  const Floats own = traced(lit_square(with({.color = {0, 0, 1}}), red));
+  EXPECT_EQ(own, traced(lit_square(with({.color = {0, 1, 0}}), red)));
+  EXPECT_NE(own, traced(lit_square(with({.color = {0, 0, 1}}))));
+  const auto shown = [](const char* integrator, const auto& material) {
+    return raio::Job(lit_square(material), raio::Settings(small()).set("integrator", integrator))
+        .run()
+        .rgba();
+  };
+  const raio::Material shiny{.kd = 0.5, .ks = 0.5, .shine = 8};
+  const auto both = [&](raio::Scene& scene) {
+    return scene.add_material(raio::StandardMaterial{}, shiny);
+  };
+  const auto classic = [&](raio::Scene& scene) { return scene.add_material(shiny); };
+  EXPECT_EQ(shown("ambient", both), shown("ambient", classic));
+  EXPECT_EQ(shown("path", both), shown("path", with({})));
+}
+
+TEST_F(LibraryData, InvalidStandardMaterialsAreRefused) {
+  using M = raio::StandardMaterial;
+  raio::Scene scene;
+  const uint8_t texel[] = {0, 0, 0, 0};
+  const uint32_t texture = scene.add_texture(1, 1, texel);
+  const auto refused = [&](const M& m, const char* why) {
+    try {
+      scene.add_material(m);
+      ADD_FAILURE() << "nothing was refused: " << why;
+    } catch (const raio::Error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+  };
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  refused({.color = {2, 0, 0}}, "color is (2, 0, 0), expected 0 to 1");
+  refused({.metallic = 1.5}, "metallic is 1.5, expected 0 to 1");
+  refused({.roughness = kNan}, "roughness is nan, expected 0 to 1");
+  refused({.ior = 0}, "ior is 0, expected a number above 0");
+  refused({.specular = -1}, "specular is -1");
+  refused({.specular_color = {0, kNan, 0}}, "specular_color is (0, nan, 0)");
+  refused({.transmission = 2}, "transmission is 2");
+  refused({.attenuation_color = {0, 2, 0}}, "attenuation_color is (0, 2, 0)");
+  refused({.attenuation_distance = 0}, "attenuation_distance is 0, expected a number above 0");
+  refused({.thin = true, .attenuation_distance = 1}, "set thin to false");
+  refused({.emission = {-1, 0, 0}}, "emission is (-1, 0, 0)");
+  refused({.clearcoat = 2}, "clearcoat is 2");
+  refused({.clearcoat_roughness = 2}, "clearcoat_roughness is 2");
+  refused({.sheen_color = {0, 0, 3}}, "sheen_color is (0, 0, 3)");
+  refused({.sheen_roughness = 2}, "sheen_roughness is 2");
+  refused({.opacity = 1.5}, "opacity is 1.5");
+  refused({.alpha_mode = raio::AlphaMode(7)}, "alpha_mode is 7");
+  refused({.alpha_cutoff = -1}, "alpha_cutoff is -1");
+  refused({.normal_scale = kNan}, "normal_scale is nan");
+  refused({.texture = 9}, "unknown texture 9, expected a number below 1");
+  refused({.normal_texture = 9}, "unknown normal_texture 9");
+  refused({.emission_texture = texture}, "multiplied by the emission, which is 0");
+  refused({.transmission_texture = texture}, "multiplied by the transmission, which is 0");
+  const Floats point = {0, 0, 0}, radius = {1};
+  raio::Appearance look = scene.add_material(M{.unlit = true});
+  look.colors = {point.data(), 1};
+  EXPECT_THROW(scene.add_spheres({point.data(), 1}, {radius.data(), 1}, look), raio::Error);
+  EXPECT_THROW(
+      scene.add_texture(1, 1, texel, raio::TextureWrap::clamp, raio::TextureWrap::clamp, 2),
+      raio::Error);
 }
 
 }  // namespace

@@ -79,6 +79,50 @@ struct Material {
   std::optional<uint32_t> texture = std::nullopt;
 };
 
+/// What the alpha of a texture means, as in glTF: nothing; a surface where it is at least a cutoff;
+/// a part of the light that is stopped.
+enum class AlphaMode { opaque, mask, blend };
+
+/// A surface of metal, plastic, glass, cloth or lacquer, with the parameters of glTF 2.0 and its
+/// extensions (docs/materials.md), for the integrator `path`, the default of scenes with such a
+/// material. Others show its colour, texture and opacity, matt.
+struct StandardMaterial {
+  Triple color{0.8, 0.8, 0.8};     ///< base colour, 0 to 1: of metals' reflection, else diffuse
+  double metallic = 0;             ///< 0 dielectric to 1 metal
+  double roughness = 0.5;          ///< 0 smooth to 1; the square root of alpha of GGX
+  double ior = 1.5;                ///< index of refraction inside, above 0
+  double specular = 1;             ///< scales the reflection of dielectrics, 0 to 1
+  Triple specular_color{1, 1, 1};  ///< the same, coloured; not negative
+  double transmission = 0;  ///< 0 to 1: the refracted part of the light that is not reflected
+  /// A sheet, which does not bend light, as glTF's thickness 0; else the surface of a solid.
+  bool thin = false;
+  Triple attenuation_color{1, 1, 1};  ///< of white light after the distance in a solid, 0 to 1
+  double attenuation_distance = std::numeric_limits<double>::infinity();  ///< scene units, above 0
+  /// Emitted radiance, W/sr/m^2; white paper in full light has 1. Triangles that emit are sampled
+  /// as lights; other primitives light what paths find by chance, with more noise.
+  Triple emission{0, 0, 0};
+  double clearcoat = 0;            ///< a layer of lacquer above everything, 0 to 1
+  double clearcoat_roughness = 0;  ///< 0 to 1
+  Triple sheen_color{0, 0, 0};     ///< of fibres seen from the side, 0 to 1; black: none
+  double sheen_roughness = 0;      ///< 0 to 1
+  bool two_sided = true;           ///< whether the back emits, too
+  /// Shows its colour and texture as they are, without light; all but these, `two_sided` and the
+  /// parameters of opacity is ignored. Primitives cannot have own colours.
+  bool unlit = false;
+  double opacity = 1;  ///< of primitives without their own, 0 to 1; of `mask`, times the texture's
+  AlphaMode alpha_mode = AlphaMode::blend;
+  double alpha_cutoff = 0.5;  ///< the least alpha that `mask` shows
+  double normal_scale = 1;    ///< scales the slopes of the normal map
+
+  // Textures of add_texture(), on meshes with texture coordinates; multiplied by the number.
+  std::optional<uint32_t> texture = std::nullopt;  ///< base colour, and alpha if it has four bytes
+  /// Roughness in green and metallic in blue; if it is all there is to say, set both numbers to 1.
+  std::optional<uint32_t> metallic_roughness_texture = std::nullopt;
+  std::optional<uint32_t> normal_texture = std::nullopt;    ///< normals from 0 to 255 are -1 to 1
+  std::optional<uint32_t> emission_texture = std::nullopt;  ///< a colour
+  std::optional<uint32_t> transmission_texture = std::nullopt;  ///< in red
+};
+
 /// How a texture continues beyond its edges.
 enum class TextureWrap { repeat, clamp, mirror };
 
@@ -237,11 +281,23 @@ class RAIO_API Scene {
   /// Returns the material's number for primitives added later; scenes made in code start with
   /// material 0.
   uint32_t add_material(const Material& material);
-  /// Copies a picture of `width` x `height` pixels, three bytes each, row by row from the top, and
-  /// returns its number.
-  uint32_t add_texture(uint32_t width, uint32_t height, const uint8_t* rgb,
+  /// The error names a parameter that is not in its range, or that has no effect. A template, so
+  /// that add_material({...}) is a Material.
+  template <class M, class = std::enable_if_t<std::is_same_v<M, StandardMaterial>>>
+  uint32_t add_material(const M& material) {
+    Material matt;
+    matt.kd = 1;
+    return add_material(material, matt);
+  }
+  /// The same, and what other integrators than `path` show: the kd, ks, shine, transmission,
+  /// specular and roughness of `classic`; the rest is that of `material`.
+  uint32_t add_material(const StandardMaterial& material, const Material& classic);
+  /// Copies a picture of `width` x `height` pixels, row by row from the top, and returns its
+  /// number. A pixel has three bytes, or four with alpha (`channels`), straight. Colours are
+  /// display values (sRGB); other numbers are 0 to 255 for 0 to 1.
+  uint32_t add_texture(uint32_t width, uint32_t height, const uint8_t* texels,
                        TextureWrap wrap_u = TextureWrap::repeat,
-                       TextureWrap wrap_v = TextureWrap::repeat);
+                       TextureWrap wrap_v = TextureWrap::repeat, int channels = 3);
 
   // The columns of one call must have equal counts. After an error (null pointer, different counts,
   // invalid numbers) the scene is unchanged. Radii must not be negative.

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ._color import colormap as colormap, linear as linear
     from ._files import load as load, render as render
     from ._film import Film as Film, Image as Image, load_film as load_film, merge as merge
-    from ._material import Material as Material
+    from ._material import Material as Material, StandardMaterial as StandardMaterial
     from ._parts import (
         Cones as Cones,
         Discs as Discs,
@@ -51,7 +51,7 @@ _MODULES = {
     "_color": ("colormap", "linear"),
     "_files": ("load", "render"),
     "_film": ("Film", "Image", "load_film", "merge"),
-    "_material": ("Material",),
+    "_material": ("Material", "StandardMaterial"),
     "_parts": ("Cones", "Discs", "Ellipsoids", "Instances", "Lines", "Mesh", "Part", "Spheres"),
     "_rays": ("KINDS", "Hits"),
     "_render_options": ("ReadOptions", "RenderOptions"),

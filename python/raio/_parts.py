@@ -9,7 +9,7 @@ from . import _raio
 from ._annotations import Scale
 from ._arrays import Floats, Strict, indices, numbers, per_row
 from ._color import Painted, colormap, limits, paint
-from ._material import Material
+from ._material import Material, StandardMaterial, Surface
 
 if TYPE_CHECKING:
     from ._scene import Scene
@@ -27,11 +27,11 @@ class Part(Strict):
     # Names of arrays, with the length of their rows; None: plain numbers.
     _columns: ClassVar[dict[str, int | None]] = {}
 
-    def __init__(self, scene: "Scene", count: int, material: "Material | None",
+    def __init__(self, scene: "Scene", count: int, material: Surface | None,
                  colors: Any, opacity: Any, cmap: Any, vmin: float | None, vmax: float | None):
         self._scene = scene
         self._count = count
-        self._material: Material | None = _checked_material(material)
+        self._material: Surface | None = _checked_material(material)
         self._arrays: dict[str, Any] = {}
         self._map = (cmap, vmin, vmax)
         self._set_colors(colors)
@@ -88,12 +88,12 @@ class Part(Strict):
         self._scene._change(geometry=True)  # transparent primitives have their own tree
 
     @property
-    def material(self) -> "Material | None":
+    def material(self) -> Surface | None:
         """The surface; None: matt."""
         return self._material
 
     @material.setter
-    def material(self, value: "Material | None") -> None:
+    def material(self, value: Surface | None) -> None:
         self._material = _checked_material(value)
         self._scene._change(geometry=True)
 
@@ -166,8 +166,9 @@ class Part(Strict):
 
 
 def _checked_material(material: Any) -> Any:
-    if material is not None and not isinstance(material, Material):
-        raise TypeError(f"material: expected a raio.Material, found {material!r}")
+    if material is not None and not isinstance(material, (Material, StandardMaterial)):
+        raise TypeError(
+            f"material: expected a raio.Material or raio.StandardMaterial, found {material!r}")
     return material
 
 
@@ -281,7 +282,7 @@ class Mesh(Part):
 
     def __init__(self, scene: "Scene", vertices: npt.ArrayLike, faces: npt.ArrayLike,
                  normals: npt.ArrayLike | None, uv: npt.ArrayLike | None,
-                 material: "Material | None", colors: Any, opacity: Any, cmap: Any,
+                 material: Surface | None, colors: Any, opacity: Any, cmap: Any,
                  vmin: float | None, vmax: float | None):
         points = numbers("vertices", vertices, 3)
         shape = np.shape(faces)

@@ -14,7 +14,7 @@ from ._annotations import Annotations, Scale, split
 from ._arrays import FloatsLike, Strict, numbers, per_row, triple
 from ._color import ColorsLike, one_color
 from ._film import Film, Image, Path
-from ._material import Material
+from ._material import Surface
 from ._options import settings
 from ._parts import Cones, Discs, Ellipsoids, Instances, Lines, Mesh, Part, Spheres
 from ._progress import Progress, Reporter
@@ -50,10 +50,10 @@ class Scene(Strict):
     """Primitives from arrays, files or both, with lights and a camera.
 
     Without lights a scene is a figure, lit from everywhere. With lights, `integrator="classic"` is
-    the default, with the tone curve "srgb". The camera shows everything unless camera() or look() is
-    called. A scene may be changed at any time. Arrays of float32 are not copied: they are kept alive,
-    and must not be written to while a picture is rendered (its pixels would be undefined, though
-    nothing crashes); changed() tells of changes.
+    the default, with the tone curve "srgb"; with a StandardMaterial, `integrator="path"`. The camera
+    shows everything unless camera() or look() is called. A scene may be changed at any time. Arrays
+    of float32 are not copied: they are kept alive, and must not be written to while a picture is
+    rendered (its pixels would be undefined, though nothing crashes); changed() tells of changes.
 
     Args:
         background: a name, "#rrggbb", three numbers of light, "transparent", or None: that of the
@@ -98,7 +98,7 @@ class Scene(Strict):
     # --- primitives
 
     def spheres(self, centers: FloatsLike, radii: FloatsLike, *, colors: Any = None,
-                opacity: FloatsLike | None = None, material: Material | None = None,
+                opacity: FloatsLike | None = None, material: Surface | None = None,
                 cmap: Any = None, vmin: float | None = None, vmax: float | None = None) -> Spheres:
         """Adds spheres. float32 arrays are borrowed, others are copied.
 
@@ -146,7 +146,7 @@ class Scene(Strict):
 
     def cones(self, starts: FloatsLike, ends: FloatsLike, start_radii: FloatsLike,
               end_radii: FloatsLike, *, colors: Any = None, opacity: FloatsLike | None = None,
-              material: Material | None = None, cmap: Any = None, vmin: float | None = None,
+              material: Surface | None = None, cmap: Any = None, vmin: float | None = None,
               vmax: float | None = None) -> Cones:
         """Adds cones without caps, from one circle to another. Looks as for spheres().
 
@@ -165,7 +165,7 @@ class Scene(Strict):
 
     def cylinders(self, starts: FloatsLike, ends: FloatsLike, radii: FloatsLike, *,
                   colors: Any = None, opacity: FloatsLike | None = None,
-                  material: Material | None = None, cmap: Any = None, vmin: float | None = None,
+                  material: Surface | None = None, cmap: Any = None, vmin: float | None = None,
                   vmax: float | None = None) -> Cones:
         """Adds cylinders without caps. Looks as for spheres().
 
@@ -181,7 +181,7 @@ class Scene(Strict):
         return self._append(part)
 
     def lines(self, points: FloatsLike, radius: FloatsLike, *, colors: Any = None,
-              opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+              opacity: FloatsLike | None = None, material: Surface | None = None, cmap: Any = None,
               vmin: float | None = None, vmax: float | None = None) -> Lines:
         """Adds a polyline of round segments with round joints. Looks as for spheres(), per point.
 
@@ -203,7 +203,7 @@ class Scene(Strict):
         return self._append(part)
 
     def ellipsoids(self, centers: FloatsLike, axes: FloatsLike, *, colors: Any = None,
-                   opacity: FloatsLike | None = None, material: Material | None = None,
+                   opacity: FloatsLike | None = None, material: Surface | None = None,
                    cmap: Any = None, vmin: float | None = None,
                    vmax: float | None = None) -> Ellipsoids:
         """Adds ellipsoids. Looks as for spheres().
@@ -221,7 +221,7 @@ class Scene(Strict):
 
     def discs(self, centers: FloatsLike, normals: FloatsLike, radii: FloatsLike,
               inner_radii: FloatsLike = 0, *, colors: Any = None,
-              opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+              opacity: FloatsLike | None = None, material: Surface | None = None, cmap: Any = None,
               vmin: float | None = None, vmax: float | None = None) -> Discs:
         """Adds flat discs, or rings. Looks as for spheres().
 
@@ -240,7 +240,7 @@ class Scene(Strict):
 
     def mesh(self, vertices: FloatsLike, faces: npt.ArrayLike, *, normals: FloatsLike | None = None,
              colors: Any = None, uv: FloatsLike | None = None,
-             opacity: FloatsLike | None = None, material: Material | None = None, cmap: Any = None,
+             opacity: FloatsLike | None = None, material: Surface | None = None, cmap: Any = None,
              vmin: float | None = None, vmax: float | None = None) -> Mesh:
         """Adds triangles with common vertices.
 

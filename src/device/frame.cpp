@@ -218,8 +218,9 @@ std::optional<Frame::Task> Frame::begin() {
   if (renderer->subtype == "views") {
     s.set("integrator", "views").set("view", renderer->word("view"));
   } else {
-    s.set("integrator", "ambient");
-    const std::string_view look = renderer->word("look");
+    const bool is_path = renderer->subtype == "path";
+    s.set("integrator", is_path ? "path" : "ambient");
+    const std::string_view look = is_path ? "application" : renderer->word("look");
     if (look == "application" && !options.contains("look")) {
       const bool lights = task.world->has_lights && renderer->is_on("lights", true);
       // Beside an hdri light, no other light comes from all sides.
@@ -235,7 +236,7 @@ std::optional<Frame::Task> Frame::begin() {
       s.set("key-light", "on");
       if (look != "application") s.set("look", look);
     }
-    s.set("occlusion-rays", renderer->get("ambientSamples", 2));
+    if (!is_path) s.set("occlusion-rays", renderer->get("ambientSamples", 2));
     if (renderer->find("outline")) s.set("outline", double(renderer->get("outline", 0.0f)));
     if (const float distance = renderer->get("ambientOcclusionDistance", 0.0f); distance > 0)
       s.set("occlusion-distance", double(distance));

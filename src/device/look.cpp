@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -125,7 +126,7 @@ Field sampled_field(const std::shared_ptr<Object>& sampler, const Shapes& shapes
     return {in.rate, coordinates, nullptr, sampler};
   if (at_vertices && shapes.corners >= 2)
     sampler->warn(is_color ? "is evaluated at vertices, and interpolated between them"
-                           : "opacities are evaluated at vertices");
+                           : "numbers are evaluated at vertices");
   return {in.rate, [=](const Element& e) { return image.finished(image.at(coordinates(e))); }};
 }
 
@@ -141,12 +142,79 @@ Field field_of(const Object& material, std::string_view name, Vector otherwise,
   return constant(otherwise);
 }
 
-double constant_of(const Object& material, std::string_view name, double otherwise,
-                   const Shapes& shapes, const Object* instance) {
-  const Field field = field_of(material, name, {otherwise, 0, 0, 1}, shapes, instance);
+Vector constant_of(const Object& material, std::string_view name, const Vector& otherwise,
+                   const Shapes& shapes, const Object* instance, bool is_texture = false) {
+  const Field field = field_of(material, name, otherwise, shapes, instance);
   if (field.rate != Rate::constant)
-    material.warn(fmt::format("'{}' is taken from the first primitive", name));
-  return shapes.primitives > 0 ? field.at(shapes.element(0, 0))[0] : otherwise;
+    material.warn(fmt::format("'{}' is taken from the first primitive{}", name,
+                              is_texture ? ", except by the renderer 'path'" : ""));
+  return shapes.primitives > 0 ? field.at(shapes.element(0, 0)) : otherwise;
+}
+
+double constant_of(const Object& material, std::string_view name, double otherwise,
+                   const Shapes& shapes, const Object* instance, bool is_texture = false) {
+  return constant_of(material, name, Vector{otherwise, 0, 0, 1}, shapes, instance, is_texture)[0];
+}
+
+// The sampler of a parameter, if it can be a texture beside that of the colour: a mesh has one set
+// of coordinates.
+std::shared_ptr<const Object> texture_of(const Object& material, std::string_view name,
+                                         const Look& look) {
+  const Value* const value = material.find(name);
+  const auto& color = look.color.image;
+  if (!value || !value->object || !color) return nullptr;
+  const Object& sampler = *value->object;
+  for (const Object* s : {&sampler, color.get()})
+    if (s->subtype != "image2D" || s->word("wrapMode1") == "clampToBorder" ||
+        s->word("wrapMode2") == "clampToBorder")
+      return nullptr;
+  const Image image = image_of(sampler);
+  const bool same = sampler.word("inAttribute") == color->word("inAttribute") &&
+                    sampler.get("inTransform", kIdentity) == color->get("inTransform", kIdentity) &&
+                    sampler.get("inOffset", std::array<float, 4>{}) ==
+                        color->get("inOffset", std::array<float, 4>{});
+  return same && image.array && image.array->count() > 0 ? value->object : nullptr;
+}
+
+// A material without colour and opacity. Numbers beyond their range are cut.
+StandardMaterial standard_of(const Object& material, const Shapes& shapes, const Object* instance,
+                             const Look& look) {
+  const auto cut = [&](std::string_view name, double x, double least, double most) {
+    if (x >= least && x <= most) return x;
+    material.warn(fmt::format("'{}' is cut to {} to {}", name, least, most));
+    return x > most ? most : least;
+  };
+  const auto part = [&](std::string_view name, double otherwise) {
+    return cut(name, constant_of(material, name, otherwise, shapes, instance), 0, 1);
+  };
+  const auto color = [&](std::string_view name, double otherwise, double most) {
+    const Vector v =
+        constant_of(material, name, {otherwise, otherwise, otherwise, 1}, shapes, instance);
+    Triple out;
+    for (size_t k = 0; k < 3; ++k) {
+      const double light = material.device.display_colors ? light_of_display(v[k]) : v[k];
+      out[k] = cut(name, light, 0, most);
+    }
+    return out;
+  };
+  StandardMaterial s;
+  s.metallic = look.metallic ? 1 : part("metallic", 1);
+  s.roughness = look.roughness ? 1 : part("roughness", 1);
+  s.ior = cut("ior", constant_of(material, "ior", 1.5, shapes, instance), 1, 100);
+  s.specular = part("specular", 0), s.specular_color = color("specularColor", 1, 1e4);
+  s.transmission = look.transmission ? 1 : part("transmission", 0);
+  s.thin = !(constant_of(material, "thickness", 0, shapes, instance) > 0);
+  const double distance =
+      double(material.get("attenuationDistance", std::numeric_limits<float>::infinity()));
+  if (!s.thin && std::isfinite(distance) && !(distance > 0))
+    material.warn("'attenuationDistance' must be above 0 and is ignored");
+  else if (!s.thin)
+    s.attenuation_distance = distance, s.attenuation_color = color("attenuationColor", 1, 1);
+  if (!look.emissive) s.emission = color("emissive", 0, 1e6);
+  s.clearcoat = part("clearcoat", 0), s.clearcoat_roughness = part("clearcoatRoughness", 0);
+  s.sheen_color = color("sheenColor", 0, 1), s.sheen_roughness = part("sheenRoughness", 0);
+  s.alpha_mode = AlphaMode::opaque;  // primitives have opacities, textures no alpha
+  return s;
 }
 }  // namespace
 
@@ -252,10 +320,15 @@ Look look_of(const Object& material, const Shapes& shapes, const Object* instanc
   Material& m = look.material;
   m.color = {1, 1, 1}, m.kd = 1, m.ks = 0;
   if (matte || !material.info) return look;
-  const double metallic =
-      std::clamp(constant_of(material, "metallic", 1, shapes, instance), 0.0, 1.0);
-  const double roughness =
-      std::clamp(constant_of(material, "roughness", 1, shapes, instance), 0.0, 1.0);
+  look.metallic = texture_of(material, "metallic", look);
+  look.roughness = texture_of(material, "roughness", look);
+  look.emissive = texture_of(material, "emissive", look);
+  look.transmission = texture_of(material, "transmission", look);
+  look.standard = standard_of(material, shapes, instance, look);
+  const double metallic = std::clamp(
+      constant_of(material, "metallic", 1, shapes, instance, look.metallic != nullptr), 0.0, 1.0);
+  const double roughness = std::clamp(
+      constant_of(material, "roughness", 1, shapes, instance, look.roughness != nullptr), 0.0, 1.0);
   const double ior = constant_of(material, "ior", 1.5, shapes, instance);
   const double specular =
       std::clamp(constant_of(material, "specular", 0, shapes, instance), 0.0, 1.0);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "device/objects.h"
@@ -80,6 +81,10 @@ Image image_of(const Object& sampler);
 struct Look {
   Field color, opacity;
   Material material;  // the rest
+  /// What the renderer `path` shows instead; its colour, opacity and texture are those of above.
+  std::optional<StandardMaterial> standard;
+  /// Samplers with the coordinates of that of the colour, which become textures of `standard`.
+  std::shared_ptr<const Object> metallic, roughness, emissive, transmission;
   bool opaque, mask;
   double cutoff;
   bool color_has_alpha;  // which multiplies the opacity

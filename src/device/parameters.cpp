@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -172,14 +173,23 @@ std::deque<ObjectInfo> make_objects() {
       Parameters{field("color", {0.8f, 0.8f, 0.8f}, "diffuse colour"),
                  field("opacity", {1}, "opacity")} +
           kAlpha);
-  add(material, "physicallyBased", "metal and roughness as highlights",
-      Parameters{field("baseColor", {1, 1, 1}, "diffuse colour, or that of a metal's highlights"),
-                 field("opacity", {1}, "opacity"),
-                 field("metallic", {1}, "0: dielectric, 1: metal"),
-                 field("roughness", {1}, "0: sharp highlights, 1: none"),
-                 field("ior", {1.5f}, "index of refraction"),
-                 field("specular", {0}, "strength of a dielectric's highlights"),
-                 field("specularColor", {1, 1, 1}, "their colour")} +
+  add(material, "physicallyBased", "all by the renderer path; metal and roughness as highlights",
+      Parameters{
+          field("baseColor", {1, 1, 1}, "diffuse colour, or that of a metal's highlights"),
+          field("opacity", {1}, "opacity"), field("metallic", {1}, "0: dielectric, 1: metal"),
+          field("roughness", {1}, "0: sharp highlights, 1: none"),
+          field("ior", {1.5f}, "index of refraction"),
+          field("specular", {0}, "strength of a dielectric's highlights"),
+          field("specularColor", {1, 1, 1}, "their colour"),
+          field("emissive", {0, 0, 0}, "radiance"), field("clearcoat", {0}, "layer of lacquer"),
+          field("clearcoatRoughness", {0}, "its roughness"),
+          field("transmission", {0}, "refracted part of the light that is not reflected"),
+          field("thickness", {0}, "0: a sheet; else a solid"),
+          number("attenuationDistance", std::numeric_limits<float>::infinity(),
+                 "after which light in a solid has this colour:"),
+          vector("attenuationColor", {1, 1, 1}, "colour of absorption"),
+          field("sheenColor", {0, 0, 0}, "light of fibres"),
+          field("sheenRoughness", {0}, "its roughness")} +
           kAlpha);
 
   add(sampler, "image1D", "image of one row", image_sampler(array1d, 1));
@@ -249,13 +259,14 @@ std::deque<ObjectInfo> make_objects() {
                                false,
                                {1},
                                {65536}}};
+  const Parameters lighting = {
+      vector("ambientColor", {1, 1, 1}, "colour of the light from all sides"),
+      {"ambientRadiance", {float32}, "light from all sides; without it and without lights, 1"},
+      {"lights", {boolean}, "whether the lights of the world count"}};
+  add(renderer, "path", "light over many bounces", picture + lighting);
   add(renderer, "default", "light from all sides, with shadows in holes, and lights",
-      picture +
+      picture + lighting +
           Parameters{
-              vector("ambientColor", {1, 1, 1}, "colour of the light from all sides"),
-              {"ambientRadiance",
-               {float32},
-               "light from all sides; without it and without lights, 1"},
               {"ambientSamples",
                {DataType::int32},
                "rays to the sky of each sample",
@@ -273,7 +284,6 @@ std::deque<ObjectInfo> make_objects() {
                {},
                false,
                {0}},
-              {"lights", {boolean}, "whether the lights of the world count"},
               words("look", {"application", "paper", "dark", "flat", "matte"},
                     "whose lights: the application's, or those of a look of figures"),
               {"outline", {float32}, "width of outlines, pixels", {}, {}, {}, false, {0}, {64}}});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -132,6 +133,16 @@ class Adder {
       m.color = {double(c[0]), double(c[1]), double(c[2])};
     }
     if (!look_.varies() && !look_.mask) m.opacity = look_.opacity_at(shapes_.element(0, 0));
+    return add_material(m);
+  }
+
+  uint32_t add_material(const Material& m) {
+    if (!look_.standard) return scene_.add_material(m);
+    StandardMaterial standard = *look_.standard;
+    standard.color = m.color, standard.opacity = m.opacity, standard.texture = m.texture;
+    if (std::ranges::all_of(m.color, [](double x) { return x <= 1; }))
+      return scene_.add_material(standard, m);
+    geometry_.warn("a base colour above 1 has no physical material: 'path' shows it matt");
     return scene_.add_material(m);
   }
 
@@ -376,6 +387,7 @@ class Adder {
     } else if (look_.color.image) {
       const Texture texture = add_texture();
       look_.material.texture = texture.number;
+      add_other_textures();
       for (const Element& e : vertices) {
         const Vector at = look_.color.at(e);
         const auto inside = [&](size_t k) {
@@ -397,7 +409,7 @@ class Adder {
         if (!level) {
           Material m = look_.material;
           m.opacity = std::round(opacity * kLevels) / kLevels;
-          level = scene_.add_material(m);
+          level = add_material(m);
         }
         materials.push_back(*level);
       }
@@ -509,6 +521,78 @@ class Adder {
     out.number =
         scene_.add_texture(uint32_t(to[0]), uint32_t(to[1]), bytes.data(), wraps[0], wraps[1]);
     return out;
+  }
+
+  // The values of samplers as a texture with the size of the largest, a sampler for each channel.
+  uint32_t add_data_texture(
+      const std::array<const Object*, 3>& samplers, const Object& wrapping,
+      const std::function<uint8_t(const Object&, const Vector&, size_t)>& byte) {
+    std::array<uint64_t, 2> size = {1, 1};
+    for (const Object* sampler : samplers)
+      for (size_t k = 0; sampler && k < 2; ++k) {
+        const uint64_t own = image_of(*sampler).array->size[k];
+        const bool nearest = sampler->word("filter") == "nearest";
+        size[k] = std::max(size[k], own * (nearest ? std::clamp<uint64_t>(1024 / own, 1, 64) : 1));
+      }
+    if (std::max(size[0], size[1]) > kLargestTexture)
+      throw Error(ErrorKind::bad_input,
+                  fmt::format("an image of {} x {} texels; a side may have {}", size[0], size[1],
+                              kLargestTexture));
+    std::vector<uint8_t> bytes;
+    for (uint64_t y = 0; y < size[1]; ++y)
+      for (uint64_t x = 0; x < size[0]; ++x)
+        for (size_t k = 0; k < 3; ++k) {
+          if (!samplers[k]) {
+            bytes.push_back(255);
+            continue;
+          }
+          const Image image = image_of(*samplers[k]);
+          const Vector at = {(double(x) + 0.5) / double(size[0]),
+                             (double(y) + 0.5) / double(size[1]), 0, 1};
+          bytes.push_back(byte(*samplers[k], image.finished(image.at(at)), k));
+        }
+    std::array<TextureWrap, 2> wraps = {TextureWrap::clamp, TextureWrap::clamp};
+    for (size_t k = 0; k < 2; ++k) {
+      const std::string_view mode = wrapping.word(k == 0 ? "wrapMode1" : "wrapMode2");
+      if (mode == "repeat") wraps[k] = TextureWrap::repeat;
+      if (mode == "mirrorRepeat") wraps[k] = TextureWrap::mirror;
+    }
+    return scene_.add_texture(uint32_t(size[0]), uint32_t(size[1]), bytes.data(), wraps[0],
+                              wraps[1]);
+  }
+
+  // Those of `path`. The first number of a sampler counts where one is asked for.
+  void add_other_textures() {
+    if (!look_.standard) return;
+    StandardMaterial& s = *look_.standard;
+    const auto part = [&](const Object&, const Vector& v, size_t) {
+      if (!(v[0] >= 0 && v[0] <= 1)) geometry_.warn("texels that are not from 0 to 1 are cut");
+      return uint8_t(std::lround(255 * std::clamp(std::isfinite(v[0]) ? v[0] : 0, 0.0, 1.0)));
+    };
+    const Object *metallic = look_.metallic.get(), *roughness = look_.roughness.get();
+    if (metallic || roughness)
+      s.metallic_roughness_texture =
+          add_data_texture({nullptr, roughness, metallic}, metallic ? *metallic : *roughness, part);
+    if (const Object* const t = look_.transmission.get())
+      s.transmission_texture = add_data_texture({t, nullptr, nullptr}, *t, part);
+    const Object* const light = look_.emissive.get();
+    if (!light) return;
+    const Image image = image_of(*light);
+    const auto light_at = [&](const Vector& v, size_t k) {
+      return geometry_.device.display_colors ? light_of_display(v[k]) : v[k];
+    };
+    double most = 0;
+    for (uint64_t i = 0; i < image.array->count(); ++i)
+      for (size_t k = 0; k < 3; ++k)
+        if (const double x = light_at(image.finished(image.array->vector(i)), k); x > most)
+          most = x;
+    if (!(most > 0 && most <= 1e6))
+      return geometry_.warn("an image of 'emissive' is black or too bright");
+    s.emission = {most, most, most};
+    s.emission_texture = add_data_texture(
+        {light, light, light}, *light, [&](const Object&, const Vector& v, size_t k) {
+          return display_byte(std::max(light_at(v, k), 0.0) / most);
+        });
   }
 
   // Textures hold display values.

@@ -183,97 +183,6 @@ void Scene::set_background(Triple color) {
   data_->scene.sky = nullptr, data_->scene.requests.sky_folder.clear();
 }
 
-void Scene::add_light(Triple position, std::optional<Triple> color, double size) {
-  core::Light light{Vec3f(vec(position) - data_->scene.origin), {}};
-  if (color) light.color = rgb(*color);
-  if (size > 0) light.extent = {.width = float(size), .depth = float(size)};
-  data_->scene.lights.push_back(light);
-}
-
-namespace {
-
-// Refuses what no scene may contain.
-void check_part_of_scene(core::Scene alone) {
-  alone.materials.emplace_back();
-  if (const auto problems = validate(alone); !problems.empty()) refuse(problems.front());
-}
-
-}  // namespace
-
-void Scene::add_light(const Light& l) {
-  guarded([&] {
-    core::Scene alone;
-    alone.physical_lights.push_back({.kind = LightKind(l.kind),
-                                     .color = rgb(l.color),
-                                     .position = Vec3f(vec(l.position) - data_->scene.origin),
-                                     .direction = Vec3f(vec(l.direction)),
-                                     .angular_diameter = float(l.angular_diameter),
-                                     .opening = float(l.opening),
-                                     .falloff = float(l.falloff),
-                                     .edge1 = Vec3f(vec(l.edge1)),
-                                     .edge2 = Vec3f(vec(l.edge2)),
-                                     .front = l.front,
-                                     .back = l.back,
-                                     .radius = float(l.radius),
-                                     .inner_radius = float(l.inner_radius)});
-    check_part_of_scene(alone);
-    data_->scene.physical_lights.append(alone.physical_lights);
-  });
-}
-
-void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, Triple up,
-                            Triple direction, bool visible) {
-  guarded([&] {
-    core::Scene& scene = data_->scene;
-    const size_t count = size_t(width) * height;
-    if (count > kMaxTexels || (count > 0 && !rgb) || !width != !height)
-      refuse(fmt::format("an environment has 1 to {} pixels, or is 0 x 0; found {} x {}{}",
-                         kMaxTexels, width, height, rgb ? "" : " at a null pointer"));
-    core::Scene alone;
-    if (count > 0) {
-      alone.environment = {{width, height, Vec3f(vec(up)), Vec3f(vec(direction)), visible}};
-      const auto* const texels = reinterpret_cast<const Rgb*>(rgb);
-      alone.environment_texels = Array<Rgb>(texels, texels + count);
-      check_part_of_scene(alone);
-    }
-    scene.environment = alone.environment, scene.environment_texels = alone.environment_texels;
-  });
-}
-
-uint32_t Scene::add_material(const Material& m) {
-  return guarded([&] {
-    core::Scene& scene = data_->scene;
-    if (m.texture && *m.texture >= scene.textures.size())
-      refuse(fmt::format("unknown texture {}, expected a number below {}", *m.texture,
-                         scene.textures.size()));
-    return scene.add_material({rgb(m.color), float(m.kd), float(m.ks), float(m.shine),
-                               float(m.transmission), float(m.ior)},
-                              rgb(m.specular), float(m.roughness), float(m.opacity),
-                              m.texture.value_or(kNoTexture));
-  });
-}
-
-uint32_t Scene::add_texture(uint32_t width, uint32_t height, const uint8_t* rgb, TextureWrap wrap_u,
-                            TextureWrap wrap_v) {
-  return guarded([&] {
-    core::Scene& scene = data_->scene;
-    const auto problem = [&](uint32_t side) { return side < 1 || side > kLargestTexture; };
-    if (problem(width) || problem(height) || !rgb)
-      refuse(fmt::format("a texture has 1 to {} pixels a side; found {} x {}", kLargestTexture,
-                         width, height));
-    const size_t first = scene.texels.size(), count = size_t(width) * height;
-    if (count > kMaxTexels - first)
-      refuse(fmt::format("the textures have more than {} pixels", kMaxTexels));
-    scene.texels.resize(first + count);
-    uint32_t* to = scene.texels.data() + first;
-    for (size_t i = 0; i < count; ++i, rgb += 3)
-      to[i] = uint32_t(rgb[0]) | uint32_t(rgb[1]) << 8 | uint32_t(rgb[2]) << 16;
-    scene.textures.push_back(
-        {uint32_t(first), width, height, core::TextureWrap(wrap_u), core::TextureWrap(wrap_v)});
-    return uint32_t(scene.textures.size() - 1);
-  });
-}
-
 namespace {
 
 // An untyped column: `bytes` per element.
@@ -377,6 +286,13 @@ void check_shapes(const StridedArray<T>& shapes, std::string_view kind) {
   }
 }
 
+// The light of unlit surfaces is that of their material.
+void check_takes_colors(const core::Scene& scene, MaterialId id) {
+  if (const core::StandardSurface* const s = scene.standard_surface_of(id); s && s->is_unlit)
+    refuse(fmt::format("material {} is unlit, so primitives and vertices cannot have own colours",
+                       id));
+}
+
 // The appearance of primitives added together.
 struct PoolAppearance {
   PoolAppearance(const core::Scene& scene, const Appearance& look, size_t count)
@@ -388,6 +304,7 @@ struct PoolAppearance {
     const Part look_opacity = part("opacities", look.opacity);
     for (const Part& p : {look_colors, look_opacity})
       if (p.given()) check_part(p, "primitives", count);
+    if (look_colors.given()) check_takes_colors(scene, material);
     if (look_colors.given()) colors = gathered<Rgb>({look_colors});
     if (look_opacity.given()) opacity = gathered<float>({look_opacity});
     for (size_t i = 0; i < colors.size(); ++i) {
@@ -569,10 +486,12 @@ void Scene::add_mesh(const Column<float, 3>& positions, const Column<uint32_t, 3
     mesh.positions = points.packed(), mesh.normals = units.packed();
     mesh.colors = colors.packed(), mesh.uv = places.packed();
     mesh.materials = gathered<MaterialId>({numbers}).packed();
-    for (const MaterialId material : std::as_const(mesh.materials))
+    for (const MaterialId material : std::as_const(mesh.materials)) {
       if (material >= scene.materials.size())
         refuse(fmt::format("unknown material {}, expected a number below {}", material,
                            scene.materials.size()));
+      if (!colors.empty()) check_takes_colors(scene, material);
+    }
     scene.meshes.push_back(std::move(mesh));
   });
 }

@@ -111,6 +111,42 @@ MaterialId Scene::add_material(const Material& material, Rgb specular, float rou
   return MaterialId(materials.size() - 1);
 }
 
+namespace {
+
+bool has_alpha(const Scene& scene, const Texture& texture) {
+  const auto first = scene.texels.begin() + texture.first;
+  return std::any_of(first, first + size_t(texture.width) * texture.height,
+                     [](uint32_t texel) { return texel >> 24 > 0; });
+}
+
+}  // namespace
+
+MaterialId Scene::add_standard_material(StandardSurface surface, const Material& classic,
+                                        float alpha, uint32_t texture, Rgb specular,
+                                        float roughness) {
+  constexpr float kNothingLeft = 2;  // an alpha cutoff beyond all alphas
+  if (surface.is_unlit)              // the rest is for programs without it
+    surface = {.metallic = 0,
+               .emission = classic.color,
+               .is_two_sided = surface.is_two_sided,
+               .is_unlit = 1,
+               .alpha_mode = surface.alpha_mode,
+               .alpha_cutoff = surface.alpha_cutoff,
+               .emission_texture = texture};
+  if (surface.alpha_mode == AlphaMode::mask) {
+    // For the texture's alpha alone: that of the factor is not an opacity here.
+    float& cutoff = surface.alpha_cutoff;
+    cutoff = cutoff > 0 ? std::min(cutoff / alpha, kNothingLeft) : 0;
+    // Cutouts are those of triangles; other primitives have an opacity.
+    alpha = cutoff > 1 ? 0 : 1;
+  }
+  if (texture != kNoTexture && surface.alpha_cutoff <= 1 && !has_alpha(*this, textures[texture]))
+    surface.alpha_mode = AlphaMode::opaque;
+  const MaterialId id = add_material(classic, specular, roughness, alpha, texture);
+  set_standard_surface(surface);
+  return id;
+}
+
 bool Scene::has_cutouts() const {
   for (MaterialId id = 0; id < standard_surfaces.size(); ++id)
     if (has_cutouts(id)) return true;

@@ -411,6 +411,12 @@ struct Scene : Object {
   /// Appends a material, and extends the columns that it needs.
   MaterialId add_material(const Material& material, Rgb specular = Rgb(1), float roughness = 0,
                           float opacity = 1, uint32_t texture = kNoTexture);
+  /// Appends a standard surface with the colour and the index of refraction of `classic`, which
+  /// other integrators than `path` show. `alpha`, and the texture's, are those of the base colour,
+  /// used as `surface.alpha_mode` says; opaque ones use neither the texture's nor a cutoff.
+  MaterialId add_standard_material(StandardSurface surface, const Material& classic,
+                                   float alpha = 1, uint32_t texture = kNoTexture,
+                                   Rgb specular = Rgb(1), float roughness = 0);
 };
 
 /// A pool and its columns, as members of Object.
@@ -532,6 +538,10 @@ Scene standalone(const Scene& around, const Object& object);
 /// A hash of everything that a picture can depend on, 32 hexadecimal digits: equal for two files
 /// that differ only in comments, spelling or name. `near_clip` and object names do not count.
 std::string content_hash(const Scene& scene);
+
+/// The first fault of a standard surface with an index of refraction, in a scene with this number
+/// of textures, which names the parameter as the library does; empty if it is sound.
+std::string fault_of(const StandardSurface& surface, float ior, size_t textures);
 
 /// The faults that prevent rendering, one sentence each, naming the element by its index; empty for
 /// a valid scene. Readers report the same faults earlier, with line and column, so mostly scenes

@@ -2,6 +2,7 @@
 // file, so all threads check them; only faults are formatted.
 
 #include <algorithm>
+#include <charconv>
 #include <string_view>
 
 #include "base/parallel.h"
@@ -97,28 +98,9 @@ void check_physical_light(const PhysicalLight& l, size_t i, Problems& problems) 
 
 void check_standard_surface(const Scene& scene, size_t i, Problems& problems) {
   const StandardSurface& s = scene.standard_surfaces[i];
-  const auto check = [&](bool sound, std::string_view expected) {
-    problems.check(sound, "material ", i, ": ", expected);
-  };
-  check(s.is_standard <= 1 && s.is_thin <= 1 && s.is_two_sided <= 1 && s.is_unlit <= 1,
-        "a switch must be 0 or 1");
-  check(s.alpha_mode <= AlphaMode::blend, "the alpha mode must be 0 to 2");
-  check(!s.is_standard || scene.materials[i].ior > 0, "the index of refraction must be positive");
-  const auto is_part = [](float x) { return x >= 0 && x <= 1; };
-  check(is_part(s.metallic) && is_part(s.roughness) && is_part(s.transmission) && is_part(s.coat) &&
-            is_part(s.coat_roughness) && is_part(s.sheen_roughness) && is_part(s.specular),
-        "metallic, roughness, specular, transmission, coat and sheen roughness must be 0 to 1");
-  check(is_intensity(s.specular_color) && is_intensity(s.attenuation_color) &&
-            is_intensity(s.sheen_color) && is_intensity(s.emission),
-        "colours must be finite and not negative");
-  check(at_least_zero(s.attenuation_distance) && at_least_zero(s.alpha_cutoff) &&
-            std::isfinite(s.normal_scale),
-        "attenuation distance, alpha cutoff and normal scale must be finite, the first two not "
-        "negative");
-  for (const uint32_t texture :
-       {s.metallic_roughness_texture, s.normal_texture, s.emission_texture, s.transmission_texture})
-    problems.check(texture == kNoTexture || texture < scene.textures.size(), "material ", i,
-                   ": texture ", size_t(texture), " of ", scene.textures.size());
+  const std::string fault =
+      fault_of(s, s.is_standard ? scene.materials[i].ior : 1, scene.textures.size());
+  problems.check(fault.empty(), "material ", i, ": ", fault);
 }
 
 void check_lights_and_materials(const Scene& scene, Problems& problems) {
@@ -442,6 +424,57 @@ Expanded expanded(const Object& scene) {
 }
 
 }  // namespace
+
+// NOLINTNEXTLINE(readability-function-size): one parameter after another
+std::string fault_of(const StandardSurface& s, float ior, size_t textures) {
+  std::string fault;
+  const auto text = [](float x) {
+    std::array<char, 32> digits;
+    return std::string(digits.data(),
+                       std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr);
+  };
+  const auto check = [&](bool sound, std::string_view name, const std::string& found,
+                         std::string_view expected) {
+    if (!sound && fault.empty())
+      fault = std::string(name) + " is " + found + ", expected " + std::string(expected);
+  };
+  const auto part = [&](std::string_view name, float x) {
+    check(x >= 0 && x <= 1, name, text(x), "0 to 1");
+  };
+  const auto triple = [&](Rgb c) {
+    return "(" + text(c.x) + ", " + text(c.y) + ", " + text(c.z) + ")";
+  };
+  const auto intensity = [&](std::string_view name, Rgb c) {
+    check(is_intensity(c), name, triple(c), "numbers that are finite and not negative");
+  };
+  const auto color = [&](std::string_view name, Rgb c) {
+    check(is_intensity(c) && max_component(c) <= 1, name, triple(c), "0 to 1");
+  };
+  const auto texture = [&](std::string_view name, uint32_t number) {
+    check(number == kNoTexture || number < textures, name, std::to_string(number),
+          "a number below " + std::to_string(textures));
+  };
+  if (s.is_standard > 1 || s.is_thin > 1 || s.is_two_sided > 1 || s.is_unlit > 1)
+    return "a switch must be 0 or 1";
+  part("metallic", s.metallic), part("roughness", s.roughness);
+  check(std::isfinite(ior) && ior > 0, "ior", text(ior), "a number above 0");
+  part("specular", s.specular), intensity("specular_color", s.specular_color);
+  part("transmission", s.transmission), color("attenuation_color", s.attenuation_color);
+  check(at_least_zero(s.attenuation_distance), "attenuation_distance", text(s.attenuation_distance),
+        "a number that is finite and not negative");
+  intensity("emission", s.emission);
+  part("clearcoat", s.coat), part("clearcoat_roughness", s.coat_roughness);
+  color("sheen_color", s.sheen_color), part("sheen_roughness", s.sheen_roughness);
+  check(s.alpha_mode <= AlphaMode::blend, "alpha_mode", std::to_string(uint32_t(s.alpha_mode)),
+        "0 to 2");
+  check(at_least_zero(s.alpha_cutoff), "alpha_cutoff", text(s.alpha_cutoff),
+        "a number that is finite and not negative");
+  check(std::isfinite(s.normal_scale), "normal_scale", text(s.normal_scale), "a finite number");
+  texture("metallic_roughness_texture", s.metallic_roughness_texture);
+  texture("normal_texture", s.normal_texture), texture("emission_texture", s.emission_texture);
+  texture("transmission_texture", s.transmission_texture);
+  return fault;
+}
 
 std::vector<std::string> validate(const Scene& scene) {
   Problems problems;

@@ -97,9 +97,7 @@ class PaintReader {
       s_.alpha_mode = AlphaMode::blend;
     } else if (mode->string() == "MASK") {
       s_.alpha_mode = AlphaMode::mask;
-      // For the texture's alpha alone: that of the factor is not an opacity here.
-      const float cutoff = number_or(0.5f, value_, "alphaCutoff", kBrightest);
-      s_.alpha_cutoff = cutoff > 0 ? std::min(cutoff / out_.color[3], kNothingLeft) : 0;
+      s_.alpha_cutoff = number_or(0.5f, value_, "alphaCutoff", kBrightest);
     } else {
       mode->fail_expected("OPAQUE, MASK or BLEND");
     }
@@ -166,21 +164,13 @@ class PaintReader {
     for (const Slot slot :
          {Slot::metallic_roughness, Slot::normal, Slot::emission, Slot::transmission})
       drop_unless(false, slot);
-    s_ = {.metallic = 0,
-          .emission = {out_.color[0], out_.color[1], out_.color[2]},
-          .is_two_sided = s_.is_two_sided,
-          .is_unlit = 1,
-          .alpha_mode = s_.alpha_mode,
-          .alpha_cutoff = s_.alpha_cutoff};
+    s_.is_unlit = 1;
   }
 
   // A texture without effect need not be read.
   void drop_unless(bool needed, Slot slot) {
     if (!needed) out_.textures[size_t(slot)].reset();
   }
-
-  // An alpha cutoff beyond all alphas.
-  static constexpr float kNothingLeft = 2;
 
   const Value& value_;
   size_t texture_count_;

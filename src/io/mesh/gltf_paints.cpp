@@ -75,14 +75,7 @@ class Pictures {
   TextureReader textures_;
 };
 
-bool has_alpha(const Scene& scene, const Texture& texture) {
-  const auto first = scene.texels.begin() + texture.first;
-  return std::any_of(first, first + size_t(texture.width) * texture.height,
-                     [](uint32_t texel) { return texel >> 24 > 0; });
-}
-
-StandardSurface surface_of(const Paint& paint, uint32_t color_texture, const Scene& scene,
-                           Pictures& pictures) {
+StandardSurface surface_of(const Paint& paint, Pictures& pictures) {
   StandardSurface out = paint.surface;
   // Without its texture, a factor would apply everywhere, and most are 1.
   const auto take = [&](Slot slot, uint32_t& texture, auto&... factors) {
@@ -94,10 +87,6 @@ StandardSurface surface_of(const Paint& paint, uint32_t color_texture, const Sce
   take(Slot::normal, out.normal_texture);
   take(Slot::emission, out.emission_texture, out.emission);
   take(Slot::transmission, out.transmission_texture, out.transmission);
-  if (out.is_unlit) out.emission_texture = color_texture;
-  if (color_texture != kNoTexture && out.alpha_cutoff <= 1 &&
-      !has_alpha(scene, scene.textures[color_texture]))
-    out.alpha_mode = AlphaMode::opaque;
   return out;
 }
 
@@ -127,15 +116,14 @@ Paints::Paints(const Document& document, const Buffers& buffers, const ReadOptio
     if (!used[i]) continue;
     const Paint& paint = document.materials[i];
     const Rgb color(paint.color[0], paint.color[1], paint.color[2]);
-    const bool blends = paint.surface.alpha_mode == AlphaMode::blend;
-    of_[i] = scene.add_material({.color = color, .kd = 1, .ior = paint.ior}, Rgb(1), 0,
-                                blends ? paint.color[3] : 1, textures[i]);
-    scene.set_standard_surface(surface_of(paint, textures[i], scene, pictures));
+    const bool is_opaque = paint.surface.alpha_mode == AlphaMode::opaque;
+    const StandardSurface surface = surface_of(paint, pictures);
+    of_[i] = scene.add_standard_material(surface, {.color = color, .kd = 1, .ior = paint.ior},
+                                         is_opaque ? 1 : paint.color[3], textures[i]);
   }
   if (!any_plain && !scene.materials.empty()) return;
   const Paint plain;
-  plain_ = scene.add_material({.color = Rgb(1), .kd = 1, .ior = plain.ior});
-  scene.set_standard_surface(plain.surface);
+  plain_ = scene.add_standard_material(plain.surface, {.color = Rgb(1), .kd = 1, .ior = plain.ior});
 }
 
 }  // namespace raio::core::gltf
