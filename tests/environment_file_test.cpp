@@ -229,6 +229,9 @@ TEST_F(EnvironmentFile, RefusalsNameWhatWasFound) {
     ASSERT_FALSE(set);
     EXPECT_THAT(set.error(), HasSubstr("`environment` lights the scene by a picture"));
   }
+  const auto sky = background.set(options, "sky");
+  ASSERT_FALSE(sky);
+  EXPECT_THAT(sky.error(), HasSubstr("`sky` lights the scene by the sun"));
 }
 
 TEST_F(EnvironmentFile, ReplacesTheScenes) {

@@ -434,6 +434,8 @@ TEST(Merge, NamesMissingSamples) {
   };
   EXPECT_EQ(merged({{.samples = 9, .first_sample = 7}, {.samples = 5, .first_sample = 2}}),
             "samples 0:2,5:7 are missing in 12 of 12 tiles");
+  EXPECT_EQ(merged({{.samples = 9, .shard = 0, .shards = 6}}),
+            "10 of 12 tiles are missing: a part of shard 1/3, shard 2/3, shard 3/3");
   EXPECT_EQ(
       merged({{.samples = 4, .shard = 1, .shards = 3}, {.samples = 3, .shard = 2, .shards = 3}}),
       "4 of 12 tiles are missing: shard 1/3; samples 4:9 are missing in 1 of 12 tiles, "

@@ -39,7 +39,8 @@ class Tasks:
                 raise ValueError("client: expected a dask.distributed.Client; `Client()` starts workers on this "
                                  "machine") from None
         if not isinstance(client, Client) or client.asynchronous:
-            raise TypeError(f"client: expected a dask.distributed.Client that is not asynchronous, found {client!r}")
+            raise TypeError(f"client: expected a dask.distributed.Client that is not asynchronous, found {client!r}; "
+                            "of a cluster, `Client(cluster)` is one")
         self.client = client
         self._name, self._count = name, 0
         self._pending: dict[Future, Any] = {}
@@ -154,8 +155,8 @@ def _large_graphs() -> Any:
 def _explained(error: BaseException) -> BaseException:
     if isinstance(error, KilledWorker):
         return Killed(f"{error.allowed_failures + 1} workers ended while they did the same work, the last of them "
-                      f"{error.last_worker.address}. Most likely the scene needs more memory than a worker has: give "
-                      "workers more, or have fewer workers with more threads. The workers' logs may tell more")
+                      f"{error.last_worker.address}. Most likely it needs more memory than a worker has: give workers "
+                      "more, or have fewer workers with more threads. Or it crashes; the workers' logs may tell more")
     is_of_raio = isinstance(error, ImportError) and (error.name or "").split(".")[0] == "raio"
     if is_of_raio or isinstance(error, AttributeError) and "raio._worker" in str(error):
         return RuntimeError(f"a worker cannot run raio {_raio.version()} ({error}); install the client's version "

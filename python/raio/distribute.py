@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Unpack
 
 try:
+    import cloudpickle
     import distributed
 except ImportError as error:
     raise ImportError("raio.distribute needs dask.distributed: pip install distributed") from error
@@ -351,6 +352,11 @@ class _Movie:
         if callable(frames):
             if count is None or number("count", count, is_whole=True) < 1:
                 raise ValueError(f"count: expected the number of frames, since frames is a function; found {count}")
+            try:
+                cloudpickle.dumps(frames)
+            except Exception as error:
+                raise TypeError(f"frames: the function cannot be sent to workers ({error}); make what it needs inside "
+                                "it") from error
             self._count = count
         elif not isinstance(frames, Sequence) or isinstance(frames, (str, bytes)):
             raise TypeError(f"frames: expected a list of scenes or paths, or a function; found {frames!r}")
@@ -412,7 +418,7 @@ class _Movie:
         return missing[::-1]
 
     def run(self, tasks: Tasks, reporter: Reporter) -> None:
-        killed: dict[int, int] = {}
+        killed: set[int] = set()
         while self._missing or len(tasks) > 0:
             cores = tasks.cores()
             while self._missing and len(tasks) < tasks.enough():
@@ -423,9 +429,10 @@ class _Movie:
                 tasks.submit(index, "frame", made, index, self._options, self._suffix)
             for index, result in tasks.ended(0.2):
                 if isinstance(result, Killed):
-                    killed[index] = killed.get(index, 0) + 1
-                    if killed[index] > 2:
+                    if index in killed:
                         raise MemoryError(f"frame {index}: {result}")
+                    killed.add(index)
+                    warnings.warn(f"frame {index} is tried once more: {result}", RuntimeWarning, stacklevel=4)
                 if isinstance(result, (Lost, Killed)):
                     self._missing.append(index)
                 elif isinstance(result, BaseException):

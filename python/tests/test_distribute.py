@@ -387,7 +387,8 @@ def test_workers_that_end_again_and_again(scene, tmp_path):
             distributed.Client(cluster) as client:
         with pytest.raises(MemoryError, match="^1 workers ended .* tcp://.* give workers more"):
             distribute.render(scene, client=client, **SIZE)
-        with pytest.raises(MemoryError, match="^frame 0: 1 workers ended"):
+        with pytest.warns(RuntimeWarning, match="^frame 0 is tried once more: 1 workers ended"), \
+                pytest.raises(MemoryError, match="^frame 0: 1 workers ended"):
             distribute.animate([scene], tmp_path / "{}.png", client=client, **SIZE)
 
 
@@ -485,6 +486,12 @@ def test_frames_of_a_function(client, tmp_path):
     for i, path in enumerate(paths):
         moving(i).render(**FRAME).save(tmp_path / "one.png")
         assert path.read_bytes() == (tmp_path / "one.png").read_bytes()
+
+
+def test_a_function_that_cannot_travel(client, tmp_path):
+    lock = threading.Lock()
+    with pytest.raises(TypeError, match="^frames: the function cannot be sent to workers .*lock"):
+        distribute.animate(lambda index: lock, tmp_path / "{}.png", client=client, count=2)
 
 
 def test_missing_and_changed_frames_are_made(client, tmp_path):

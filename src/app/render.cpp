@@ -310,8 +310,8 @@ std::string annotation_problem(const RenderCommand& command, const std::vector<J
   for (const JobRequest& request : all) {
     if (is_part_path(request.output))
       return fmt::format(
-          "{} is drawn on pictures, not on part files; leave it out, or give a "
-          "picture with -o",
+          "{} is drawn on pictures, not on part files; give it when the whole part "
+          "becomes a picture (docs/cluster.md)",
           option);
   }
   return {};

@@ -99,11 +99,11 @@ std::string summary(const std::string& output, const RenderFigures& made) {
   const std::string wish = as_hinted ? " as the scene requests" : "";
   const Crop frame = o.frame();
   const std::string whole = o.crop ? fmt::format(" of {}x{}", o.width, o.height) : "";
-  return fmt::format("{}: {}x{}{}, {}, {}: load {}, build {}, render {} ({}rays/s), write {}",
+  return fmt::format("{}: {}x{}{}, {}, {}: load {}, build {}, render {} ({}), write {}",
                      is_standard_output(output) ? "picture" : output, frame.width(), frame.height(),
                      whole, samples, made.accel.name + wish, human_seconds(times.load),
                      human_seconds(times.build), human_seconds(times.render),
-                     human_count(rays_per_s(made)), human_seconds(times.write));
+                     human_quantity(rays_per_s(made), "rays/s"), human_seconds(times.write));
 }
 
 }  // namespace raio::core::app

@@ -17,7 +17,7 @@ JobSet set_checkpoint(JobRequest& r, const JobOptionSpec&, std::string_view text
 JobSet set_shard(JobRequest& r, const JobOptionSpec&, std::string_view text) {
   std::array<uint32_t, 2> part{};
   if (!parse_list(text, '/', part) || part[0] < 1 || part[0] > part[1])
-    return expected_but("a part and the number of parts, as in 2/5", text);
+    return expected_but("a part and the number of parts, from 1/N to N/N, as in 2/5", text);
   return r.shard = part[0] - 1, r.shards = part[1], JobSet();
 }
 

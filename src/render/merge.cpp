@@ -72,8 +72,9 @@ std::string overlap(const Film& film, const NamedPart& part, std::string_view ot
         if (++twice == 1) both = here;
   if (twice == 0) return {};
   return fmt::format(
-      "it and {} both have samples {}:{} in {} of the {} tiles; leave one of them out", other,
-      both.first, both.end, twice, film.tiles());
+      "it and {} both have samples {}:{} in {} of the {} tiles; leave one of them out, or render "
+      "parts of one division (`shard`)",
+      other, both.first, both.end, twice, film.tiles());
 }
 
 }  // namespace
@@ -167,8 +168,9 @@ std::string missing_samples(const Part& part, uint32_t shards) {
     text = fmt::format("{} of {} tiles are missing", tiles, film.tiles());
     std::string_view before = ": ";
     for (uint32_t i = 0; i < shards; ++i)
-      if (shards > 1 && missing[i] > 0 && missing[i] == all[i])
-        text += fmt::format("{}shard {}/{}", std::exchange(before, ", "), i + 1, shards);
+      if (shards > 1 && missing[i] > 0)
+        text += fmt::format("{}{}shard {}/{}", std::exchange(before, ", "),
+                            missing[i] == all[i] ? "" : "a part of ", i + 1, shards);
   }
   if (with_gaps > 0)
     text += fmt::format("{}samples {} are missing in {} of {} tiles{}", text.empty() ? "" : "; ",

@@ -82,10 +82,10 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
   }
   if (const std::string suffix = lower_suffix(text); suffix == ".exr" || suffix == ".hdr")
     return std::unexpected(color.error() + "; `environment` lights the scene by a picture");
-  if (text == "sky")
-    return std::unexpected(color.error() + "; `sky` lights the scene by the sun and a clear sky");
   if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
-    return std::unexpected(color.error() + "; and there is no folder with that name");
+    return std::unexpected(color.error() +
+                           (text == "sky" ? "; `sky` lights the scene by the sun and a clear sky"
+                                          : "; and there is no folder with that name"));
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());
   options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};
