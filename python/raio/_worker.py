@@ -137,8 +137,8 @@ def _check_sky(core: _raio.Scene, has_background: bool) -> None:
 def _check_is_there(path: str | os.PathLike[str]) -> None:
     if not os.path.exists(path):
         where = "" if os.path.isabs(path) else f" in {os.getcwd()}"
-        raise FileNotFoundError(f"the worker {get_worker().name} has no file {os.fspath(path)}{where}; put it where all "
-                                "workers find it, or load it first: raio.load()")
+        raise FileNotFoundError(f"the worker {get_worker().name} has no file {os.fspath(path)}{where}; put it where "
+                                "all workers find it, or load it first: raio.load()")
 
 
 def portion(data: bytes | None, source: tuple[Any, ...], structure: dict[str, str], texts: dict[str, str],
