@@ -139,7 +139,7 @@ TEST_F(LibraryParts, AreAddedOneByOne) {
   const std::string before = film.to_bytes();
   EXPECT_EQ(refusal([&] { film.add(part("1/1", "0:4")); }),
             "the other film: it and this film both have samples 3:4 in 3 of the 12 tiles; leave "
-            "one of them out");
+            "one of them out, or render parts of one division (shard)");
   EXPECT_THAT(refusal([&] { film.add(rendered(twelve().set("seed", 3))); }),
               HasSubstr("the other film: it does not match this film: seed 3, not 0"));
   EXPECT_TRUE(film.to_bytes() == before);
@@ -157,7 +157,7 @@ TEST_F(LibraryParts, ThatDoNotFitAreRefusedByName) {
   };
   EXPECT_EQ(refusal([&] { raio::Film::merge({range("0:4"), range("6:10"), range("7:8")}); }),
             "film 3: it and film 2 both have samples 7:8 in 12 of the 12 tiles; leave one of them "
-            "out");
+            "out, or render parts of one division (shard)");
   range("0:4").write(path("a.raio"));
   rendered(twelve().set("seed", 3)).write(path("b.raio"));
   EXPECT_EQ(
