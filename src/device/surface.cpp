@@ -584,8 +584,7 @@ class Adder {
     double most = 0;
     for (uint64_t i = 0; i < image.array->count(); ++i)
       for (size_t k = 0; k < 3; ++k)
-        if (const double x = light_at(image.finished(image.array->vector(i)), k); x > most)
-          most = x;
+        most = std::max(most, light_at(image.finished(image.array->vector(i)), k));
     if (!(most > 0 && most <= 1e6))
       return geometry_.warn("an image of 'emissive' is black or too bright");
     s.emission = {most, most, most};
