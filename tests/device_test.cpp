@@ -329,7 +329,7 @@ TEST(Device, PathsShowPhysicalMaterials) {
            .sheen_roughness = 0.5});
 }
 
-// Samplers beside that of the colour become textures of the library's material.
+// Samplers of other parameters become textures of the material, too.
 TEST(Device, PathsShowImagesOfMaterials) {
   Application app;
   Object* const g = app.create(geometry, "quad");

@@ -79,8 +79,8 @@ struct Material {
   std::optional<uint32_t> texture = std::nullopt;
 };
 
-/// What the alpha of a texture means, as in glTF: nothing; a surface where it is at least a cutoff;
-/// a part of the light that is stopped.
+/// How the alpha of a texture is used, as in glTF: `opaque` ignores it, `mask` shows the surface
+/// where it is at least a cutoff, and `blend` absorbs that part of the light.
 enum class AlphaMode { opaque, mask, blend };
 
 /// A surface of metal, plastic, glass, cloth or lacquer, with the parameters of glTF 2.0 and its

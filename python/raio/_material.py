@@ -178,5 +178,5 @@ def _add_texture(core: _raio.Scene, name: str, texture: Any,
     return core.add_texture(texels)
 
 
-# What primitives are made of.
+# The materials that primitives can have.
 Surface = Material | StandardMaterial

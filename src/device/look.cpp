@@ -156,8 +156,8 @@ double constant_of(const Object& material, std::string_view name, double otherwi
   return constant_of(material, name, Vector{otherwise, 0, 0, 1}, shapes, instance, is_texture)[0];
 }
 
-// The sampler of a parameter, if it can be a texture beside that of the colour: a mesh has one set
-// of coordinates.
+// The sampler of a parameter, if the colour's texture has the same coordinates: a mesh has one set
+// of them.
 std::shared_ptr<const Object> texture_of(const Object& material, std::string_view name,
                                          const Look& look) {
   const Value* const value = material.find(name);

@@ -81,7 +81,7 @@ Image image_of(const Object& sampler);
 struct Look {
   Field color, opacity;
   Material material;  // the rest
-  /// What the renderer `path` shows instead; its colour, opacity and texture are those of above.
+  /// The renderer `path` shows this instead, with the colour, opacity and texture above.
   std::optional<StandardMaterial> standard;
   /// Samplers with the coordinates of that of the colour, which become textures of `standard`.
   std::shared_ptr<const Object> metallic, roughness, emissive, transmission;

@@ -27,8 +27,8 @@ using Spectrum = std::array<double, kBands>;
 
 double exp_of(double x) { return exact_exp2(std::max(x * std::numbers::log2e, -1000.0)); }
 
-// What light meets along a way: for each substance the integral of its density, in metres at the
-// density of the ground (air and aerosols) or of the ozone layer's middle.
+// Column densities along a path: the integral of each substance's density, in metres at the density
+// of the ground (air and aerosols) or of the ozone layer's middle.
 struct Columns {
   double air = 0, aerosol = 0, ozone = 0;
 

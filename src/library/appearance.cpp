@@ -114,7 +114,7 @@ void check_texture(const core::Scene& scene, std::string_view name,
                        scene.textures.size()));
 }
 
-// What the core would ignore or not notice.
+// Refuses parameters that the core would ignore.
 void check(const core::Scene& scene, const StandardMaterial& m) {
   check_texture(scene, "texture", m.texture);
   check_texture(scene, "metallic_roughness_texture", m.metallic_roughness_texture);
