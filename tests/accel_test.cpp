@@ -42,7 +42,7 @@ TEST(Accel, EmbreeAgreesWithBruteForce) {
         const Scene scene = random_scene(600, 7, place.scale, place.shift);
         const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
         const auto embree = build(scene, {.kind = AccelKind::embree}, one_sided);
-        const RayBatch rays = awkward_rays(scene, if_sanitized(1003, 10003), 4);
+        const RayBatch rays = awkward_rays(scene, if_sanitized(303, 10003), 4);
         const Disagreement d = disagreement(*oracle, *embree, rays, false, coherent);
         EXPECT_LE(d.closest, 10u) << "coherent " << coherent << " one-sided " << one_sided;
         EXPECT_LE(d.occluded, 10u) << "coherent " << coherent << " one-sided " << one_sided;
@@ -52,7 +52,7 @@ TEST(Accel, EmbreeAgreesWithBruteForce) {
 TEST(Accel, EmbreeAgreesOnRaysOfAnyTime) {
   for (const bool one_sided : {false, true}) {
     const Scene scene = tests::moving_scene(one_sided);
-    const RayBatch rays = tests::at_any_time(awkward_rays(scene, 10003, 4));
+    const RayBatch rays = tests::at_any_time(awkward_rays(scene, if_sanitized(1003, 10003), 4));
     const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
     const Disagreement d =
         disagreement(*oracle, *build(scene, {.kind = AccelKind::embree}, one_sided), rays, false);
@@ -67,7 +67,7 @@ TEST(Accel, AgreeOnTheStandardScenes) {
   for (const auto& path : paths) {
     const auto read = read_nff(path);
     ASSERT_TRUE(read.has_value()) << path;
-    constexpr int kRays = if_sanitized(50, 1500), kSide = if_sanitized(8, 40);
+    constexpr int kRays = if_sanitized(20, 600), kSide = if_sanitized(8, 40);
     const RayBatch rays = awkward_rays(read->scene, kRays, 5);
     const auto oracle = build(read->scene, {.kind = AccelKind::none});
     const Answers expected = answers(*oracle, rays);

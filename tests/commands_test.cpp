@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <thread>
 
 #include "app/command_line.h"
@@ -381,7 +382,7 @@ TEST_F(Commands, ExplainDrawsTheRays) {
   RenderOptions options;
   const std::pair<AccelKind, std::optional<Vec3d>> all[] = {
       {AccelKind::none, {}}, {AccelKind::grid, {{5.0, 1, 2}}}, {AccelKind::bvh, {{0.0, -5, 0}}}};
-  for (const auto& [kind, from] : all) {
+  for (const auto& [kind, from] : std::span(all).last(tests::if_sanitized(1, 3))) {
     options.accel.kind = kind;
     ExplainCommand explain{.scene = scene, .pixel = {20, 15}, .options = options};
     explain.plot = path("rays.svg");

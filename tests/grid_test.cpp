@@ -29,7 +29,7 @@ TEST(Grid, MatchesBruteForceExactly) {
     for (const bool one_sided : {false, true}) {
       const Scene scene = random_scene(600, 7, place.scale, place.shift);
       const auto oracle = build(scene, {.kind = AccelKind::none}, one_sided);
-      const RayBatch rays = awkward_rays(scene, if_sanitized(1000, 10000), 3);
+      const RayBatch rays = awkward_rays(scene, if_sanitized(300, 10000), 3);
       const Answers expected = answers(*oracle, rays);
       for (const float factor : {0.5f, 2.0f, 6.0f})
         for (const bool counters : {false, true}) {
@@ -47,9 +47,9 @@ TEST(Grid, CoherentRaysMatchBruteForceExactly) {
   for (const ScaleAndShift& place : kScalesAndShifts) {
     const Scene scene = two_sided(random_scene(900, 5, place.scale, place.shift));
     const auto oracle = build(scene, {.kind = AccelKind::none});
-    RayBatch rays = eye_rays(scene, 32);
+    RayBatch rays = eye_rays(scene, if_sanitized(16, 32));
     const RayBatch shadow = shadow_rays(*oracle, rays, scene.camera.from);
-    const RayBatch awkward = awkward_rays(scene, 500, 6);
+    const RayBatch awkward = awkward_rays(scene, if_sanitized(200, 500), 6);
     for (const RayBatch* more : {&shadow, &awkward})
       for (size_t i = 0; i < more->size(); ++i) rays.push((*more)[i]);
     for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {

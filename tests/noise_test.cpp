@@ -14,6 +14,7 @@
 #include "render/options.h"
 #include "render/part.h"
 #include "render/render.h"
+#include "sanitized.h"
 #include "scenes.h"
 #include "temporary_folder.h"
 
@@ -88,7 +89,8 @@ TEST(Noise, EachTileHasWhatItNeeds) {
 
 TEST(Noise, IsOnePictureOnAllThreadsAndInstructionSets) {
   NoisyStudio studio;
-  studio.request.width = 40, studio.request.height = 30;
+  studio.request.width = tests::if_sanitized(24, 40);
+  studio.request.height = tests::if_sanitized(18, 30);
   expect_one_picture(studio.scene, studio.request);
 }
 

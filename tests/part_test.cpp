@@ -463,7 +463,7 @@ TEST(Merge, MergesSpansInAnyOrder) {
     for (size_t t = 0; t < tiles; ++t) samples[k].push_back(one.film->copy(t));
   }
   std::mt19937 rng(7);
-  for (int round = 0; round < if_sanitized(100, 1000); ++round) {
+  for (int round = 0; round < if_sanitized(30, 300); ++round) {
     // Random spans of random tiles in up to five parts.
     const size_t count = 1 + rng() % 5;
     std::vector<NamedPart> parts;

@@ -113,7 +113,7 @@ TEST(Spd, PlainGridHasNoOversizedPrimitivesAndNoMailbox) {
 
 class SpdCommand : public TemporaryFolder {};
 
-#ifndef __SANITIZE_THREAD__  // half a thousand million tests
+#ifndef RAIO_SANITIZED  // half a thousand million tests
 TEST_F(SpdCommand, BallsAreWithinTheTolerance) {
   testing::internal::CaptureStdout();
   const int status =

@@ -197,7 +197,7 @@ void check_watertight(const Mesh& mesh, double scale, Vec3d place, int rays, uin
 }
 
 TEST(Triangle, MeshesAreWatertight) {
-  constexpr int kRays = if_sanitized(15000, 60000);
+  constexpr int kRays = if_sanitized(5000, 60000);
   const Mesh round = icosphere(3), rough = spikes(3, 1);
   for (const double scale : {1e-6, 1.0, 1e6}) {
     for (const double away : {0.0, 10.0, 1e4}) {
@@ -253,7 +253,7 @@ TEST(Triangle, DegenerateOnesGiveNoNan) {
 TEST(Triangle, EdgeOnAndOffToTheSideIsMissed) {
   std::mt19937 rng(8);
   int hits = 0;
-  for (int k = 0; k < 1000000; ++k) {
+  for (int k = 0; k < if_sanitized(100000, 1000000); ++k) {
     const Vec3d dir = random_unit(rng), aside = normalize(cross(dir, random_unit(rng)));
     const auto corner = [&] {  // in the plane of the ray and `aside`
       return Vec3f(dir * (5 + uniform(rng, 0, 1e-3)) + aside * (1 + uniform(rng, 0, 1e-3)));
