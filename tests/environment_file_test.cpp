@@ -11,6 +11,7 @@
 #include "io/scene_file.h"
 #include "one_picture.h"
 #include "render/job.h"
+#include "render/picture_options.h"
 #include "render/read_options.h"
 #include "temporary_folder.h"
 
@@ -221,17 +222,34 @@ TEST_F(EnvironmentFile, RefusalsNameWhatWasFound) {
               HasSubstr("env-rotate has no effect without environment or sky"));
   put(file("a.hdr"), "GIF89a");
   EXPECT_THAT(refusal({.environment = file("a.hdr").string()}), HasSubstr("expected a PNG, JPEG"));
-  const auto& background =
-      *std::ranges::find(render_option_table(), "background", &OptionSpec::name);
+}
+
+TEST_F(EnvironmentFile, BackgroundsThatLightTheSceneAreRead) {
+  const auto read_by = [](std::string_view background, ReadOptions read) {
+    RenderOptions options;
+    EXPECT_TRUE(set_option(options, option_of("background"), background));
+    const auto why = read_background(options, read);
+    EXPECT_EQ(options.background.has_value(), why.has_value());
+    return std::pair(read, why ? why->message : "");
+  };
+  EXPECT_EQ(read_by("sky", {}).first.sky, (std::array{3.F, 45.F, 0.F}));
+  EXPECT_EQ(read_by("sky", {.sky = {{2, 9, 5}}}).first.sky, (std::array{2.F, 9.F, 5.F}));
+  EXPECT_EQ(read_by("a.HDR", {}).first.environment, "a.HDR");
+  EXPECT_EQ(read_by("a.exr", {.environment = "a.exr"}).first.environment, "a.exr");
+  EXPECT_THAT(read_by("sky", {.environment = "a.hdr"}).second,
+              HasSubstr("sky cannot be combined with `environment`"));
+  EXPECT_THAT(read_by("a.exr", {.environment = "b.exr"}).second,
+              HasSubstr("a.exr cannot be combined with `environment`"));
+  EXPECT_THAT(read_by("a.exr", {.sky = {{2, 9, 5}}}).second,
+              HasSubstr("a.exr cannot be combined with `sky`"));
+}
+
+TEST_F(EnvironmentFile, PathsAreTheDefault) {
+  const Scene lit = lit_by(gradient("a.pfm"));
   RenderOptions options;
-  for (const char* name : {"sky.exr", "sky.HDR"}) {
-    const auto set = background.set(options, name);
-    ASSERT_FALSE(set);
-    EXPECT_THAT(set.error(), HasSubstr("`environment` lights the scene by a picture"));
-  }
-  const auto sky = background.set(options, "sky");
-  ASSERT_FALSE(sky);
-  EXPECT_THAT(sky.error(), HasSubstr("`sky` lights the scene by the sun"));
+  EXPECT_EQ(integrator_of(options, lit), IntegratorKind::path);
+  options.integrator = IntegratorKind::ambient;
+  EXPECT_EQ(integrator_of(options, lit), IntegratorKind::ambient);
 }
 
 TEST_F(EnvironmentFile, ReplacesTheScenes) {

@@ -41,6 +41,7 @@ Scene lit_floor(const PhysicalLight& light) {
 
 RenderOptions by_lights_only() {
   RenderOptions options;
+  options.integrator = IntegratorKind::ambient;
   options.width = options.height = 2;
   options.samples = if_sanitized(256, 4096);
   options.key_light = KeyLight::scene, options.sky_light = Rgb(0);

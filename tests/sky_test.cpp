@@ -492,8 +492,8 @@ TEST(SkyOption, ErrorsSayWhatIsAccepted) {
   ASSERT_FALSE(done);
   EXPECT_THAT(done.error().text(), HasSubstr("expected a colour"));
   EXPECT_THAT(done.error().text(),
-              HasSubstr("found 'no/such folder'; and there is no folder with that "
-                        "name"));
+              HasSubstr("found 'no/such folder'; nor is it sky, a picture of all directions as "
+                        ".exr or .hdr, or a folder"));
 }
 
 }  // namespace

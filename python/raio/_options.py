@@ -79,10 +79,22 @@ def settings(options: Mapping[str, Any]) -> _raio.Settings:
 
 
 def split(options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Those for reading a file, and the others."""
+    """Those for reading a file, and the others. A background that lights the scene is for reading."""
     known = table()
     read = {k: v for k, v in options.items() if k in known and known[k]["of_reader"]}
-    return read, {k: v for k, v in options.items() if k not in read}
+    others = {k: v for k, v in options.items() if k not in read}
+    if is_light(others.get("background")):
+        light = others.pop("background")
+        read["background" if light == "sky" or "environment" in read else "environment"] = light
+    return read, others
+
+
+def is_light(background: Any) -> bool:
+    """Whether it lights the scene: the sky, or a picture of all directions."""
+    if not isinstance(background, (str, os.PathLike)):
+        return False
+    name = str(os.fspath(background))
+    return (name == "sky" or name.lower().endswith((".exr", ".hdr"))) and not os.path.isdir(name)
 
 
 def pixel_size(size: Any) -> tuple[int, int]:

@@ -99,7 +99,9 @@ class RenderOptions(AnnotationOptions, total=False):
             samples, variance, steps, tests; .exr and .npz store all, .png only alpha
         background: Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; or
             transparent, which stores alpha; or a folder with the six pictures of a sky: right, left, top,
-            bottom, front and back as .jpg or .png (default: the scene's; for figures the look's)
+            bottom, front and back as .jpg or .png. These also light the scene: sky, which is sky 3,45,0
+            unless sky is given, and an .exr or .hdr as environment (default: the scene's; for figures the
+            look's)
         exposure: Multiply the colours of .png and .ppm by 2 to the power of EV; auto chooses it from the
             picture, so that the mean brightness becomes middle grey; other formats keep the computed
             values (default: 0)

@@ -83,8 +83,22 @@ def test_same_bytes_in_an_environment(program, tmp_path):
     test_same_bytes("crates.gltf", {**options, "samples": 4}, ".png", program, tmp_path)
     del options["integrator"]
     lit, scene = raio.load(SCENES / "rings.nff", **options), raio.load(SCENES / "rings.nff")
+    as_background = {"background": tmp_path / "sky.hdr", "env_rotate": 30, "samples": 4}
+    test_same_bytes("crates.gltf", as_background, ".png", program, tmp_path)
     small = {"size": (60, 45), "integrator": "path", "samples": 1}
     assert lit.render(**small)._repr_png_() != scene.render(**small)._repr_png_()
     (tmp_path / "sky.hdr").write_bytes(head + bytes(7))
     with pytest.raises(raio.SceneError, match="sky.hdr.*7 bytes are too short for 2 x 1 pixels"):
         raio.load(SCENES / "rings.nff", **options)
+
+
+def test_same_bytes_under_the_sky(program, tmp_path):
+    test_same_bytes("rings.nff", {"background": "sky", "samples": 1}, ".png", program, tmp_path)
+    small = {"size": (40, 30), "samples": 1}
+    image = raio.render(SCENES / "rings.nff", background="sky", **small)
+    assert image._repr_png_() == raio.load(SCENES / "rings.nff", sky=(3, 45, 0)).render(**small)._repr_png_()
+    assert image._repr_png_() == raio.load(SCENES / "rings.nff", background="sky").render(**small)._repr_png_()
+    with pytest.raises(ValueError, match="sky cannot be combined with environment"):
+        raio.load(SCENES / "rings.nff", background="sky", environment="a.hdr")
+    with pytest.raises(ValueError, match="sky is for reading a file"):
+        raio.Scene(background="sky").render(**small)

@@ -181,6 +181,9 @@ def test_environments_are_read_by_the_workers(client, tmp_path, monkeypatch):
         image = distribute.render(ROOT / "scenes/rings.nff", client=client, **options)
         assert image.settings()["environment"] == str(tmp_path / "sky.pfm")  # as all workers find it
         assert np.array_equal(image.numpy(), raio.render(ROOT / "scenes/rings.nff", **options).numpy())
+    options = {**SIZE, "background": "sky"}
+    image = distribute.render(ROOT / "scenes/rings.nff", client=client, **options)
+    assert same_bytes(image, raio.render(ROOT / "scenes/rings.nff", **options))
 
 
 @pytest.fixture

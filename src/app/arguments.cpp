@@ -8,6 +8,7 @@
 #include "app/help.h"
 #include "app/outline.h"
 #include "render/job_options.h"
+#include "render/picture_options.h"
 #include "render/read_options.h"
 
 namespace raio::core::app {
@@ -118,7 +119,9 @@ std::string examples(std::initializer_list<std::string_view> lines) {
   return text;
 }
 
-void refuse_conflict(const RenderOptions& options) {
+void refuse_conflict(RenderOptions& options, ReadOptions& read) {
+  if (const auto why = read_background(options, read))
+    throw CLI::ParseError(text_of(*why), kBadInput);
   if (const auto why = option_conflict(options)) throw CLI::ParseError(text_of(*why), kBadInput);
 }
 

@@ -58,8 +58,9 @@ void add_render_options(CLI::App& app, RenderOptions& options,
 void add_job_options(CLI::App& app, JobRequest& request,
                      std::initializer_list<std::string_view> wanted);
 
-/// Throws a CLI::ParseError for options that cannot be combined.
-void refuse_conflict(const RenderOptions& options);
+/// Throws a CLI::ParseError for options that cannot be combined. A background that lights the scene
+/// becomes an option of reading.
+void refuse_conflict(RenderOptions& options, ReadOptions& read);
 
 /// The end of a command's help.
 std::string examples(std::initializer_list<std::string_view> lines);

@@ -28,6 +28,7 @@
 #include "base/executor.h"
 #include "base/memory.h"
 #include "io/generate/generate.h"
+#include "render/picture_options.h"
 #include "render/read_options.h"
 #include "render/render.h"
 
@@ -240,7 +241,7 @@ void add_render(CLI::App& app, RenderCommand& render, int& status) {
       throw CLI::ParseError("SCENE is missing; name a file, as in raio render balls.nff",
                             kBadInput);
     refuse_for_many_pictures(render);
-    refuse_conflict(render.options);
+    refuse_conflict(render.options, render.read);
     refuse_terminal(render.output, "-o");
     status = run_on_threads(render);
   });
@@ -271,7 +272,7 @@ void add_view(CLI::App& app, ViewCommand& view, const Invocation& invocation, in
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   sub->add_flag("--log", view.log, "Log events to standard error");
   sub->callback([&] {
-    refuse_conflict(view.options);
+    refuse_conflict(view.options, view.read);
     if (!view.compare.empty() && view.scene.empty())
       throw CLI::ParseError("--compare needs the scene of the picture; name its file, too",
                             kBadInput);
@@ -540,6 +541,7 @@ std::optional<ShownScene> shown_scene(const std::vector<std::string>& words) {
   options.width = options.height = options.threads = 0;
   options.dpi = 0, options.channels = {};
   options.print.reset(), options.crop.reset();
+  if (read_background(options, shown.read)) return std::nullopt;
   if (shown.scene.empty() || is_standard_output(shown.scene) || option_conflict(options) ||
       window_conflict(options))
     return std::nullopt;

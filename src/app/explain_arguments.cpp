@@ -113,7 +113,7 @@ void add_explain(CLI::App& app, ExplainCommand& explain, int& status) {
     if (explain.plot == "-")
       throw CLI::ParseError("--plot cannot use standard output, where the text goes; name a file",
                             kBadInput);
-    refuse_conflict(explain.options);
+    refuse_conflict(explain.options, explain.read);
     status = run_until_signal(explain);
   });
 }
@@ -150,7 +150,7 @@ void add_grade(CLI::App& app, GradeCommand& grade, int& status) {
     if (is_standard_output(grade.output))
       throw CLI::ParseError("-o cannot use standard output, where the report goes; name a file",
                             kBadInput);
-    refuse_conflict(grade.options);
+    refuse_conflict(grade.options, grade.read);
     status = run_until_signal(grade);
   });
 }

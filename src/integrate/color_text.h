@@ -20,6 +20,8 @@ struct WrittenColor {
   bool encoded = false;
   /// For a background: a sky instead of the colour, named by its folder. parse_color() sets none.
   std::shared_ptr<const CubeMap> sky = {};  // NOLINT(readability-redundant-member-init)
+  /// For a background that also lights the scene: "sky", or the path of an environment.
+  std::string environment = {};  // NOLINT(readability-redundant-member-init)
 
   friend bool operator==(const WrittenColor&, const WrittenColor&) = default;
 };

@@ -18,6 +18,7 @@
 #include "integrate/color_text.h"
 #include "io/colormaps.h"
 #include "render/job_options.h"
+#include "render/picture_options.h"
 #include "render/read_options.h"
 
 namespace raio::core::library {
@@ -227,6 +228,14 @@ void take_read(ReadOptions& read, const ReadOptions& of_scene) {
   read = of_scene;
 }
 
+// A background that lights the scene has an effect only if the scene was read with it.
+void take_environment(JobRequest& request, const ReadOptions& of_scene) {
+  ReadOptions& read = request.read;
+  if (!read.sky && read.environment.empty())
+    read.sky = of_scene.sky, read.environment = of_scene.environment;
+  if (auto why = read_background(request.options, read)) fail(*why);
+}
+
 // Data files get the background of the style, unless another was set.
 void take_background(RenderOptions& options, const core::Scene& scene, bool has_background) {
   const bool shows_light =
@@ -243,6 +252,7 @@ Job::Job(const Scene& scene, const Settings& settings, std::optional<Film> begun
     request.loaded = std::make_shared<const core::Scene>(scene.data().scene);
     if (const auto problems = validate(*request.loaded); !problems.empty())
       refuse(problems.front());
+    take_environment(request, scene.data().read);
     take_read(request.read, scene.data().read);
     take_background(request.options, *request.loaded, scene.data().has_background);
     data_ = std::make_unique<Data>(std::move(request), std::move(begun));
@@ -257,6 +267,7 @@ Job::Job(const Accel& accel, const Settings& settings, std::optional<Film> begun
     request.loaded = {built, &built->scene};
     request.built = {built, built->accel.get()};
     request.scene_hash = built->hash();
+    take_environment(request, built->read);
     take_read(request.read, built->read);
     take_background(request.options, built->scene, built->has_background);
     data_ = std::make_unique<Data>(std::move(request), std::move(begun));

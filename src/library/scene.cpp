@@ -16,6 +16,7 @@
 #include "io/raio/raio.h"
 #include "io/scene_file.h"
 #include "library/library.h"
+#include "render/picture_options.h"
 
 namespace raio::inline v1 {
 
@@ -38,6 +39,15 @@ std::unique_ptr<Scene::Data> taken(std::expected<ReadScene, Diagnostics> read) {
   return data;
 }
 
+// A background that lights the scene is one of them.
+ReadOptions read_options(const Settings& settings) {
+  ReadOptions read = settings.data().read;
+  RenderOptions options = settings.data().options;
+  if (const auto why = read_background(options, read)) fail(*why);
+  read.instances = true;
+  return read;
+}
+
 }  // namespace
 
 Scene::Scene() : data_(std::make_unique<Data>()) {
@@ -58,8 +68,7 @@ Scene Scene::read(const std::string& path) { return read(path, {}); }
 
 Scene Scene::read(const std::string& path, const Settings& settings) {
   return guarded_work(settings.data().options.threads, [&] {
-    ReadOptions read = settings.data().read;
-    read.instances = true;
+    ReadOptions read = read_options(settings);
     Scene scene(taken(read_scene(path, read)));
     scene.data_->read = std::move(read);
     return scene;
@@ -68,8 +77,7 @@ Scene Scene::read(const std::string& path, const Settings& settings) {
 
 Scene Scene::parse(std::string_view bytes, std::string_view name, const Settings& settings) {
   return guarded_work(settings.data().options.threads, [&] {
-    ReadOptions read = settings.data().read;
-    read.instances = true;
+    ReadOptions read = read_options(settings);
     Scene scene(taken(parse_scene(bytes, name, read)));
     scene.data_->read = std::move(read);
     return scene;

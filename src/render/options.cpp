@@ -251,10 +251,11 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            "Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, "
            "object, samples, variance, steps, tests; .exr and .npz store all, .png only alpha",
            OptionValue<Options>{OptionType::list, set_channels, channels_text}),
-    option(output, "background", "COLOR|FOLDER",
+    option(output, "background", "COLOR|sky|FILE|FOLDER",
            "Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; "
            "or transparent, which stores alpha; or a folder with the six pictures of a sky: "
-           "right, left, top, bottom, front and back as .jpg or .png",
+           "right, left, top, bottom, front and back as .jpg or .png. These also light the scene: "
+           "sky, which is `sky` 3,45,0 unless `sky` is given, and an .exr or .hdr as `environment`",
            OptionValue<Options>{OptionType::color, set_background, background_text},
            usual("the scene's; for figures the look's")),
     option(output, "exposure", "EV",

@@ -15,6 +15,8 @@
 namespace raio::core {
 namespace {
 
+constexpr std::string_view kSky = "sky";  // a background
+
 std::optional<Error> crop_conflict(const RenderOptions& options, const Scene* scene) {
   if (!options.crop || (!scene && options.width == 0)) return std::nullopt;
   int width = options.width, height = options.height;
@@ -80,12 +82,17 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
     options.background = std::move(*color);
     return {};
   }
-  if (const std::string suffix = lower_suffix(text); suffix == ".exr" || suffix == ".hdr")
-    return std::unexpected(color.error() + "; `environment` lights the scene by a picture");
-  if (std::error_code ignored; !std::filesystem::is_directory(text, ignored))
+  std::error_code ignored;
+  const bool is_folder = std::filesystem::is_directory(text, ignored);
+  const std::string suffix = lower_suffix(text);
+  if (!is_folder && (text == kSky || suffix == ".exr" || suffix == ".hdr")) {
+    options.background = WrittenColor{.color = {}, .environment = std::string(text)};
+    return {};
+  }
+  if (!is_folder)
     return std::unexpected(color.error() +
-                           (text == "sky" ? "; `sky` lights the scene by the sun and a clear sky"
-                                          : "; and there is no folder with that name"));
+                           "; nor is it sky, a picture of all directions as .exr or .hdr, or a "
+                           "folder");
   auto sky = read_cube_map(text);
   if (!sky) return std::unexpected(sky.error().text());
   options.background = WrittenColor{.color = {}, .sky = std::move(*sky)};
@@ -94,11 +101,28 @@ std::expected<void, std::string> set_background(RenderOptions& options, const Op
 
 std::string background_text(const RenderOptions& options, const OptionSpec&) {
   if (!options.background) return {};
-  const auto& [color, transparent, encoded, sky] = *options.background;
+  const auto& [color, transparent, encoded, sky, environment] = *options.background;
+  if (!environment.empty()) return environment;
   if (sky) return sky->folder;
   if (transparent) return "transparent";
   if (!encoded) return fmt::format("{},{},{}", color.x, color.y, color.z);
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
+}
+
+std::optional<Error> read_background(RenderOptions& options, ReadOptions& read) {
+  if (!options.background || options.background->environment.empty()) return std::nullopt;
+  const std::string wanted = options.background->environment;
+  const bool is_sky = wanted == kSky;
+  const bool other_file = !read.environment.empty() && (is_sky || read.environment != wanted);
+  if (other_file || (read.sky && !is_sky))
+    return bad_option("background",
+                      fmt::format("{} cannot be combined with `{}`; leave one of them out", wanted,
+                                  other_file ? "environment" : "sky"));
+  constexpr std::array kUsualSky = {3.f, 45.f, 0.f};
+  if (is_sky && !read.sky) read.sky = kUsualSky;
+  if (!is_sky) read.environment = wanted;
+  options.background.reset();
+  return std::nullopt;
 }
 
 Tone tone_of(const RenderOptions& options, const Scene& scene) {
@@ -134,6 +158,11 @@ ChannelSet channels_of(const RenderOptions& options) {
 
 std::optional<Error> picture_conflict(const RenderOptions& options, const Scene* scene) {
   if (auto why = look_conflict(options)) return why;
+  if (scene && options.background && !options.background->environment.empty())
+    return bad_option("background",
+                      fmt::format("{} also lights the scene, so it is for reading a file; give it, "
+                                  "`sky` or `environment` where the scene is read",
+                                  options.background->environment));
   return crop_conflict(options, scene);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/read_scene.h"
 #include "render/options.h"
 
 namespace raio::core {
@@ -21,6 +22,10 @@ std::string crop_text(const RenderOptions& options, const OptionSpec&);
 std::expected<void, std::string> set_background(RenderOptions& options, const OptionSpec&,
                                                 std::string_view text);
 std::string background_text(const RenderOptions& options, const OptionSpec&);
+
+/// Moves a background that lights the scene to the options by which the scene is read: `sky` to the
+/// clear sky that eye rays see, a picture to the environment. Returns the conflict, or nothing.
+std::optional<Error> read_background(RenderOptions& options, ReadOptions& read);
 
 /// The tone curve of display formats. The default is srgb for figures, else none.
 Tone tone_of(const RenderOptions& options, const Scene& scene);

@@ -31,10 +31,10 @@ std::optional<IntegratorKind> selected_integrator(const RenderOptions& options) 
 }  // namespace
 
 IntegratorKind integrator_of(const RenderOptions& options, const Scene& scene) {
-  const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty() ||
-                         !scene.environment.empty();
-  return selected_integrator(options).value_or(count_standard_surfaces(scene) > 0
-                                                   ? IntegratorKind::path
+  const bool is_figure = scene.dialect == Dialect::data || !scene.physical_lights.empty();
+  // Only paths find the suns of environments by more than chance.
+  const bool needs_paths = count_standard_surfaces(scene) > 0 || !scene.environment.empty();
+  return selected_integrator(options).value_or(needs_paths ? IntegratorKind::path
                                                : is_figure ? IntegratorKind::ambient
                                                            : IntegratorKind::classic);
 }
