@@ -33,16 +33,11 @@ RenderOptions cropped(AccelKind kind, std::optional<Crop> crop = {}) {
 
 Picture rendered(const Scene& scene, const RenderOptions& options) {
   const RenderSettings settings = resolve_options(options, scene);
-  const auto accel = build_accel(scene, settings.accel, settings.one_sided);
-  EXPECT_TRUE(accel);
-  WorkControl control;
-  const auto film = make_film(scene, settings);
-  EXPECT_TRUE(film);
-  EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
+  const auto film = tests::film_of(scene, options);
   const Crop frame = settings.frame();
   const auto pixels = uint64_t(frame.width()) * uint64_t(frame.height());
-  EXPECT_EQ((*film)->rays().eye, pixels * uint64_t(settings.samples_per_pixel()));
-  return picture_of(**film, settings);
+  EXPECT_EQ(film->rays().eye, pixels * uint64_t(settings.samples_per_pixel()));
+  return picture_of(*film, settings);
 }
 
 template <class T>

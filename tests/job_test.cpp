@@ -335,6 +335,7 @@ TEST_F(Job, ErrorsHaveTheRightKind) {
 // The values of a film and of the files agree number by number.
 TEST_F(Job, ChannelsComeThroughFiles) {
   JobRequest r = request("a.exr");
+  r.options.integrator = IntegratorKind::path;  // has light groups
   for (const ChannelSpec& spec : kChannels) r.options.channels.add(spec.channel);
   RenderJob job(r);
   ASSERT_TRUE(done(job));
@@ -357,7 +358,7 @@ TEST_F(Job, ChannelsComeThroughFiles) {
 
   // A part has them, too: another program's merge writes the same bytes.
   JobRequest part = request("a.raio");
-  part.options.channels = r.options.channels;
+  part.options.channels = r.options.channels, part.options.integrator = r.options.integrator;
   bytes(part);
   std::vector<NamedPart> parts;
   parts.push_back({"a", *read_part(part.output)});

@@ -6,21 +6,26 @@
 
 #include <algorithm>
 #include <cstring>
+#include <memory>
+#include <utility>
 
 #include "render/options.h"
 #include "render/render.h"
 
 namespace raio::core::tests {
 
-inline Image picture_of(const Scene& scene, RenderOptions options) {
+inline std::unique_ptr<Film> film_of(const Scene& scene, const RenderOptions& options) {
   const RenderSettings settings = resolve_options(options, scene);
   const auto accel = build_accel(scene, settings.accel, settings.one_sided);
   EXPECT_TRUE(accel) << accel.error().text();
   WorkControl control;
-  const auto film = make_film(scene, settings);
+  auto film = make_film(scene, settings);
   EXPECT_TRUE(film) << film.error().text();
   EXPECT_TRUE(render(scene, **accel, settings, **film, control).finished);
-  return (*film)->resolve();
+  return std::move(*film);
+}
+inline Image picture_of(const Scene& scene, const RenderOptions& options) {
+  return film_of(scene, options)->resolve();
 }
 
 inline bool same_bytes(const Image& a, const Image& b) {

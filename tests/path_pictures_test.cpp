@@ -185,6 +185,53 @@ TEST(PathPictures, BothWaysToFindALightAgree) {
     }
 }
 
+// Each group is the picture without the others' light.
+TEST(PathPictures, LightGroupsAddUp) {
+  const auto scene_with = [](bool lamp, bool emission, bool world) {
+    Scene scene = under_square();
+    scene.background = Rgb(world ? 0.5f : 0);
+    if (emission) add_square_mesh(scene, 1);
+    if (lamp) scene.physical_lights = {{.color = Rgb(2), .position = {1.5f, 0, 0.7f}}};
+    scene.spheres = {{{0.4f, 0.3f, 0.2f}, 0.2f}}, scene.sphere_materials = {0};
+    return scene;
+  };
+  RenderOptions options = by_paths(if_sanitized(256, 4096), 3);
+  const Image lamp = picture_of(scene_with(true, false, false), options);
+  const Image square = picture_of(scene_with(false, true, false), options);
+  for (const Channel group : kLightGroups) options.channels.add(group);
+  const auto film = tests::film_of(scene_with(true, true, true), options);
+  const Image whole = film->resolve();
+  std::array<double, 3> means{};
+  std::vector<double> sum(whole.pixels.size());
+  for (size_t g = 0; g < means.size(); ++g) {
+    const auto values = std::get<Column<float>>(film->resolve(kLightGroups[g]));
+    for (size_t i = 0; i < values.size(); ++i)
+      sum[i / 3] += double(values[i]), means[g] += double(values[i]) / double(values.size());
+  }
+  for (size_t i = 0; i < sum.size(); ++i) {
+    const Rgb& pixel = whole.pixels[i];
+    EXPECT_NEAR(sum[i], double(pixel.x + pixel.y + pixel.z), 1e-5);
+  }
+  EXPECT_NEAR(means[0] / mean_of(lamp), 1, if_sanitized(0.1, 0.02));
+  EXPECT_NEAR(means[1] / mean_of(square), 1, if_sanitized(0.1, 0.02));
+  EXPECT_GT(means[2], 0.01);
+  EXPECT_TRUE(same_bytes(whole, picture_of(scene_with(true, true, true), [&] {
+                           RenderOptions plain = options;
+                           plain.channels = {};
+                           return plain;
+                         }())));
+}
+
+TEST(PathPictures, OtherIntegratorsHaveNoLightGroups) {
+  RenderOptions options = by_paths(1, 1);
+  options.channels.add(Channel::emission);
+  options.integrator = IntegratorKind::classic;
+  const Scene scene = grey_floor();
+  const auto why = option_conflict(options, &scene);
+  ASSERT_TRUE(why);
+  EXPECT_NE(why->message.find("emission needs the integrator path"), std::string::npos);
+}
+
 // Means of pictures with different seeds are within their confidence interval, five standard
 // errors.
 TEST(PathPictures, IsUnbiased) {

@@ -96,7 +96,8 @@ class RenderOptions(AnnotationOptions, total=False):
         view: Show normals, depth, ids, materials, traversal steps, intersection tests, focus or samples
             instead of the picture (default: picture)
         channels: Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, object,
-            samples, variance, steps, tests; .exr and .npz store all, .png only alpha
+            samples, variance, steps, tests; with the integrator path also lamps, emission and
+            surroundings; .exr and .npz store all, .png only alpha
         background: Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; or
             transparent, which stores alpha; or a folder with the six pictures of a sky: right, left, top,
             bottom, front and back as .jpg or .png. These also light the scene: sky, which is sky 3,45,0

@@ -22,7 +22,10 @@ enum class Channel : uint8_t {
   variance,
   steps,
   tests,
-  position_low
+  position_low,
+  lamps,
+  emission,
+  surroundings
 };
 
 /// How the samples of a pixel become its value. `first` takes the lowest sample in the film, for
@@ -35,7 +38,7 @@ struct ChannelSpec {
   std::string_view name;        // in --channels, the EXR layer, the .npz array
   std::string_view components;  // a letter each: EXR's names after the dot
   ChannelRule rule;
-  double bound;  // of a sample's value, for the rule `mean`
+  double bound;  // of a sample's value, for the rule `mean`; 0: that of the film's colours
   bool integer;  // 32-bit integers, not floats
   std::string_view help;
 };
@@ -65,7 +68,17 @@ inline constexpr std::array kChannels = {
                 "primitives that an eye ray is tested against"},
     ChannelSpec{Channel::position_low, "position_low", "XYZ", ChannelRule::first, 0, false,
                 "the rounding error of `position`; added automatically if data is far from 0"},
+    ChannelSpec{Channel::lamps, "lamps", "RGB", ChannelRule::mean, 0, false,
+                "the part of the colours that the scene's lights light, with `path`"},
+    ChannelSpec{Channel::emission, "emission", "RGB", ChannelRule::mean, 0, false,
+                "the part that surfaces emit, with `path`"},
+    ChannelSpec{Channel::surroundings, "surroundings", "RGB", ChannelRule::mean, 0, false,
+                "the part of the background, sky or environment, with `path`"},
 };
+
+/// Light groups: they add up to the colours.
+inline constexpr std::array kLightGroups = {Channel::lamps, Channel::emission,
+                                            Channel::surroundings};
 
 constexpr const ChannelSpec& spec_of(Channel channel) { return kChannels[size_t(channel)]; }
 

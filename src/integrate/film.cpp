@@ -209,7 +209,9 @@ bool Film::can_hold(const TileSamples& numbers) const {
   }
   for (const ChannelSpec& spec : kChannels) {
     if (spec.rule != ChannelRule::mean || !layout_.has_planes(spec.channel)) continue;
-    const double most_here = samples * spec.bound * fixed_scale(spec) * kSlack;
+    // Several rays of a path can add to a light group.
+    const double most_here =
+        std::min(samples * bound(spec) * scale(spec) * (spec.bound > 0 ? kSlack : 64), 0x1p61);
     const size_t begin = layout_.plane(spec.channel) * pixels;
     for (size_t i = begin; i < begin + spec.components.size() * pixels; ++i)
       if (std::abs(double(numbers.means[i])) > most_here) return false;
@@ -254,7 +256,7 @@ float Film::value(Channel channel, size_t tile, int x, int y, size_t component) 
   const size_t at = (layout_.plane(channel) + component) * tile_sums() + pixel;
   if (spec.rule == ChannelRule::mean) {
     const int64_t sum = channel == Channel::alpha ? sums_.of(tile)[pixel][3] : means_.of(tile)[at];
-    return float(double(sum) / (fixed_scale(spec) * states_[tile].samples.count()));
+    return float(double(sum) / (scale(spec) * states_[tile].samples.count()));
   }
   const uint32_t first = firsts_.of(tile)[at];
   // No surface is at distance zero: nothing was hit.

@@ -65,9 +65,9 @@ __extension__ typedef unsigned __int128 Uint128;
 /// The coverage of a sample that hits something.
 inline constexpr int64_t kFullCoverage = int64_t(1) << 24;
 
-/// A value v of a channel with the rule `mean` counts as the integer nearest to v * this, which
-/// leaves room for the sum of kMaxSamples values.
-constexpr double fixed_scale(const ChannelSpec& spec) {
+/// A value v of a channel with the rule `mean` and its own bound counts as the integer nearest to v
+/// * this, which leaves room for the sum of kMaxSamples values.
+constexpr double own_scale(const ChannelSpec& spec) {
   double scale = double(1 << 24);
   while (scale * spec.bound > double(int64_t(1) << 38)) scale /= 2;
   return scale;
@@ -146,6 +146,9 @@ class Film {
   /// A value v counts as the integer nearest to min(v, bound) * scale.
   double bound() const { return bound_; }
   double scale() const { return scale_; }
+  /// Those of a channel with the rule `mean`.
+  double bound(const ChannelSpec& spec) const { return spec.bound > 0 ? spec.bound : bound_; }
+  double scale(const ChannelSpec& spec) const { return spec.bound > 0 ? own_scale(spec) : scale_; }
   int tile_side() const { return tile_side_; }
   const FilmLayout& layout() const { return layout_; }
   SampleRounds rounds() const { return rounds_; }

@@ -57,7 +57,11 @@ class Materials {
 class PathShading final : public Shading {
  public:
   explicit PathShading(const PreparedScene& scene)
-      : scene_(scene), path_(*scene.path), lights_(scene.path->lights) {
+      : scene_(scene),
+        path_(*scene.path),
+        lights_(scene.path->lights),
+        has_groups_(std::ranges::any_of(
+            kLightGroups, [&](Channel c) { return scene.settings.channels.has(c); })) {
     if (!scene.scene.environment.empty()) environment_.emplace(scene.scene);
     if (lights_.environment())
       environment_sampler_.emplace(scene.scene.environment[0], *lights_.environment());
@@ -97,6 +101,7 @@ class PathShading final : public Shading {
       }
       if (w.recorder()) w.recorder()->escaped(w, i, missed, light, other, weight);
       w.sums().add(light * weight * rays.weights(i), &rays.pixel[i], missed);
+      if (has_groups_) add_to_group(w, Channel::surroundings, light * weight, i, missed);
     }
     return true;
   }
@@ -118,7 +123,9 @@ class PathShading final : public Shading {
       normal = select(tilted, geometric, normal);
       const V3 inside = transmittance(w, materials, i);
       const Emitted emitted = emission(w, materials, i, in);
-      store(inside * (emitted.radiance * emitted.weight), v.radiance, i);
+      const V3 glow = inside * (emitted.radiance * emitted.weight);
+      store(glow, v.radiance, i);
+      if (has_groups_) add_to_group(w, Channel::emission, glow, i, in);
       if (!goes_on && !w.recorder()) continue;
       const WideFrame frame(normal);
       const V3 to_eye = -dir;
@@ -187,8 +194,11 @@ class PathShading final : public Shading {
       store(hn::IfThenElse(continues, across, hn::Zero(d)), across_, i);
     }
     if (!samples_lights) return;
-    const uint8_t* const hidden = add_lit(
-        w, n, sampler, kSkyDepth, [&](size_t i, V lit) HWY_ATTR { return load(direct_, i) * lit; });
+    const uint8_t* const hidden = add_lit(w, n, sampler, kSkyDepth, [&](size_t i, V lit) HWY_ATTR {
+      const V3 light = load(direct_, i) * lit;
+      if (has_groups_) add_sampled_to_groups(w, light, i, hn::Gt(lit, hn::Zero(d)));
+      return light;
+    });
     if (hidden && w.recorder()) w.recorder()->shadow_rays(w, hidden, 0, n);
   }
 
@@ -219,6 +229,25 @@ class PathShading final : public Shading {
     V length;
     V pdf;  // per solid angle; 0 where no other ray finds the light
   };
+
+  // Light groups: of current rays i, i + 1, ..., as the colours get it.
+  static HWY_NOINLINE void add_to_group(Wavefront& w, Channel group, const V3& light, size_t i,
+                                        M mask) {
+    if (w.sums().layout().has(group) && !hn::AllFalse(d, mask))
+      w.sums().add_mean(group, light * w.rays().weights(i), &w.rays().pixel[i], mask);
+  }
+  void add_sampled_to_groups(Wavefront& w, const V3& light, size_t i, M mask) const {
+    for (const Channel group : kLightGroups) {
+      const V of_group = hn::Set(d, float(group));
+      add_to_group(w, group, light, i, hn::And(mask, hn::Eq(load(groups_, i), of_group)));
+    }
+  }
+  static Channel group_of(PathLights::Choice::Kind light) {
+    using Kind = PathLights::Choice::Kind;
+    return light == Kind::environment ? Channel::surroundings
+           : light == Kind::triangle  ? Channel::emission
+                                      : Channel::lamps;
+  }
 
   V3 surrounding(const V3& dir) const {
     const FigureSettings& figure = scene_.settings.figure;
@@ -436,6 +465,7 @@ class PathShading final : public Shading {
       const Vec3f point(v.outside.x.at[i + k], v.outside.y.at[i + k], v.outside.z.at[i + k]);
       choices_[k] = lights_.choose(point, Vec3f(), u[k]);
       probability[k] = choices_[k].probability;
+      groups_.at[i + k] = float(group_of(choices_[k].kind));
     }
     LightRays all{set3(d, Vec3f(0, 0, 1)), set3(d, Rgb()), hn::Zero(d), hn::Zero(d)};
     const V chosen = hn::Load(d, probability);
@@ -537,6 +567,7 @@ class PathShading final : public Shading {
   const PreparedScene& scene_;
   const PathScene& path_;
   const PathLights& lights_;
+  const bool has_groups_;  // light groups
   std::optional<EnvironmentLight> environment_;
   std::optional<EnvironmentSampler> environment_sampler_;
   PathLights::Choice choices_[kWidth];  // of lights, for some of the current rays
@@ -544,6 +575,7 @@ class PathShading final : public Shading {
   // the geometric normal; 0: none.
   Floats3 direct_, origin_, dir_, weight_;
   Floats pdf_, across_;
+  Floats groups_;  // of the lights of shadow rays, if there are any
 };
 
 }  // namespace

@@ -232,8 +232,9 @@ class TileSums {
   // sets the values of one with the rule `first`.
   HWY_INLINE void add_mean(Channel channel, const V3& values, const uint32_t* pixels, M mask) {
     const ChannelSpec& spec = spec_of(channel);
-    const V most = hn::Set(d, float(spec.bound)), least = hn::Neg(most);
-    const auto scale = hn::Set(kDoubles, fixed_scale(spec));
+    const bool is_light = spec.bound == 0;
+    const V most = hn::Set(d, is_light ? largest_ : float(spec.bound)), least = hn::Neg(most);
+    const auto scale = hn::Set(kDoubles, is_light ? scale_ : own_scale(spec));
     const V3 numbers = without_nans(values, pixels, mask);
     const V parts[3] = {numbers.x, numbers.y, numbers.z};
     int64_t* const plane = sums_.means + layout_->plane(channel) * plane_size_;
@@ -251,7 +252,7 @@ class TileSums {
   HWY_INLINE void add_mean(Channel channel, uint32_t value, uint32_t pixel) {
     const auto most = uint32_t(spec_of(channel).bound);
     sums_.means[layout_->plane(channel) * plane_size_ + pixel] +=
-        int64_t(fixed_scale(spec_of(channel))) * int64_t(std::min(value, most));
+        int64_t(own_scale(spec_of(channel))) * int64_t(std::min(value, most));
   }
   HWY_INLINE void set_first(Channel channel, size_t component, U values, const uint32_t* pixels,
                             M mask) {

@@ -214,6 +214,9 @@ class Wavefront final : public TileRenderer {
       add_sky(weight, dir, pixels, mask);
     else
       add_background(weight, pixels, mask);
+    if (sums_.layout().has(Channel::surroundings))
+      sums_.add_mean(Channel::surroundings,
+                     (has_sky_ ? shading_->sky(dir) : set3(d, background_)) * weight, pixels, mask);
   }
   // The light of one such ray, and its contribution to the pixel.
   std::pair<Rgb, PixelSums> escaped_light(Vec3f dir, Rgb weight) const;

@@ -249,7 +249,8 @@ constexpr auto kTable = std::to_array<OptionSpec>({
            kValue<&Options::view>, usual("picture"), one_of(kViewNames)),
     option(output, "channels", "LIST",
            "Also store these channels (AOVs): alpha, depth, position, normal, albedo, id, "
-           "object, samples, variance, steps, tests; .exr and .npz store all, .png only alpha",
+           "object, samples, variance, steps, tests; with the integrator path also lamps, emission "
+           "and surroundings; .exr and .npz store all, .png only alpha",
            OptionValue<Options>{OptionType::list, set_channels, channels_text}),
     option(output, "background", "COLOR|sky|FILE|FOLDER",
            "Colour behind the scene: a name such as white, '#rrggbb' or R,G,B with 1 for white; "

@@ -187,6 +187,11 @@ std::optional<Error> light_conflict(const Scene& scene, const RenderSettings& s)
 }
 
 std::optional<Error> scene_conflict(const RenderOptions& options, const Scene& scene) {
+  for (const Channel group : kLightGroups)
+    if (options.channels.has(group) && integrator_of(options, scene) != IntegratorKind::path)
+      return bad_option("channels", fmt::format("{} needs the integrator path; add `integrator` "
+                                                "path, or leave the channel out",
+                                                spec_of(group).name));
   if (options.channels.has(Channel::id) && scene.primitive_count() > kMaxPrimitives)
     return bad_option(
         "channels",
