@@ -567,7 +567,7 @@ class PathShading final : public Shading {
   const PreparedScene& scene_;
   const PathScene& path_;
   const PathLights& lights_;
-  const bool has_groups_;  // light groups
+  const bool has_groups_;  // the film has light groups
   std::optional<EnvironmentLight> environment_;
   std::optional<EnvironmentSampler> environment_sampler_;
   PathLights::Choice choices_[kWidth];  // of lights, for some of the current rays
